@@ -1,0 +1,35 @@
+//! `[extractor]`: detection of plots.
+
+use serde::{Deserialize, Serialize};
+
+use super::load::{ConfigError, require, within};
+
+/// CA-CFAR along range (C3) and clustering.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ExtractorConfig {
+    /// Probability of false alarm per cell.
+    pub pfa: f64,
+    /// Cells left out on each side of the cell under test.
+    pub guard_cells: u32,
+    /// Reference cells on each side; at the ends of the range extent only those that exist count.
+    pub reference_cells: u32,
+    /// A cluster is closed when it spans this many dwells, whatever follows.
+    pub max_dwells: u32,
+}
+
+impl Default for ExtractorConfig {
+    fn default() -> Self {
+        Self { pfa: 1e-6, guard_cells: 2, reference_cells: 16, max_dwells: 12 }
+    }
+}
+
+impl ExtractorConfig {
+    pub(super) fn check(&self) -> Result<(), ConfigError> {
+        let valid = self.pfa > 0.0 && self.pfa <= 0.1;
+        require("extractor.pfa", self.pfa, valid, "a probability above 0, at most 0.1")?;
+        within("extractor.guard_cells", self.guard_cells.into(), 0..=64)?;
+        within("extractor.reference_cells", self.reference_cells.into(), 2..=256)?;
+        within("extractor.max_dwells", self.max_dwells.into(), 1..=64)
+    }
+}

@@ -1,0 +1,196 @@
+//! Reading, overriding and checking a configuration.
+
+use std::path::{Path, PathBuf};
+
+use super::ChainConfig;
+
+/// Why a configuration cannot be used. Each is one line for the user, exit code 2.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("cannot read configuration file {path}: {source}")]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file is not TOML.
+    #[error("{path}: {message}")]
+    Syntax {
+        /// Which file.
+        path: PathBuf,
+        /// What the parser says, on one line.
+        message: String,
+    },
+    /// A key is unknown or holds the wrong type.
+    #[error("{place}: key `{key}`: {message}")]
+    Key {
+        /// File or option.
+        place: String,
+        /// Dotted path of the key.
+        key: String,
+        /// What was expected.
+        message: String,
+    },
+    /// `--set` without `=`.
+    #[error("--set {argument}: expected table.key=value, for example --set extractor.pfa=1e-4")]
+    Override {
+        /// The argument as given.
+        argument: String,
+    },
+    /// A value outside its range.
+    #[error("key `{key}` is {value}, expected {expected}")]
+    Range {
+        /// Dotted path of the key.
+        key: String,
+        /// The value as given.
+        value: String,
+        /// The range in words.
+        expected: String,
+    },
+}
+
+/// Reads `path` (defaults alone without one), applies `overrides` of the form `table.key=value`, checks.
+///
+/// # Errors
+/// [`ConfigError`], naming the file, key or value and what was expected.
+pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
+    let text = match path {
+        Some(path) => {
+            std::fs::read_to_string(path).map_err(|source| ConfigError::Read { path: path.to_path_buf(), source })?
+        }
+        None => String::new(),
+    };
+    parse(path.unwrap_or(Path::new("defaults")), &text, overrides)
+}
+
+/// As [`load`], from the text of a file; `path` is for messages.
+///
+/// # Errors
+/// [`ConfigError`], naming the file, key or value and what was expected.
+pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
+    let mut table: toml::Table = toml::from_str(text).map_err(|error| ConfigError::Syntax {
+        path: path.to_path_buf(),
+        message: error.to_string().lines().collect::<Vec<_>>().join(" "),
+    })?;
+    let place = path.display().to_string();
+    read(&place, table.clone())?; // a mistake in the file is reported as one of the file
+    for argument in overrides {
+        apply(&mut table, argument)?;
+        read(&format!("--set {argument}"), table.clone())?;
+    }
+    let config = read(&place, table)?;
+    config.check()?;
+    Ok(config)
+}
+
+fn read(place: &str, table: toml::Table) -> Result<ChainConfig, ConfigError> {
+    serde_path_to_error::deserialize(toml::Value::Table(table)).map_err(|error| ConfigError::Key {
+        place: place.to_string(),
+        key: error.path().to_string(),
+        message: error.inner().message().lines().collect::<Vec<_>>().join(" "),
+    })
+}
+
+/// Sets `table.key` to `value`, which is TOML, or text when it is not.
+fn apply(table: &mut toml::Table, argument: &str) -> Result<(), ConfigError> {
+    let malformed = || ConfigError::Override { argument: argument.to_string() };
+    let (path, value) = argument.split_once('=').ok_or_else(malformed)?;
+    let value = toml::from_str::<toml::Table>(&format!("value = {value}"))
+        .ok()
+        .and_then(|mut parsed| parsed.remove("value"))
+        .unwrap_or_else(|| toml::Value::String(value.to_string()));
+    let mut keys: Vec<&str> = path.split('.').map(str::trim).collect();
+    let last = keys.pop().filter(|key| !key.is_empty()).ok_or_else(malformed)?;
+    let mut place = table;
+    for key in keys {
+        place = place
+            .entry(key)
+            .or_insert_with(|| toml::Value::Table(toml::Table::new()))
+            .as_table_mut()
+            .ok_or_else(malformed)?;
+    }
+    place.insert(last.to_string(), value);
+    Ok(())
+}
+
+/// `Ok` if `valid`, else the error that names key, value and range.
+pub(super) fn require(
+    key: &str,
+    value: impl std::fmt::Display,
+    valid: bool,
+    expected: &str,
+) -> Result<(), ConfigError> {
+    if valid {
+        return Ok(());
+    }
+    Err(ConfigError::Range { key: key.to_string(), value: value.to_string(), expected: expected.to_string() })
+}
+
+/// A finite number above zero.
+pub(super) fn positive(key: &str, value: f64) -> Result<(), ConfigError> {
+    require(key, value, value.is_finite() && value > 0.0, "a number above 0")
+}
+
+/// A finite number, zero or above.
+pub(super) fn not_negative(key: &str, value: f64) -> Result<(), ConfigError> {
+    require(key, value, value.is_finite() && value >= 0.0, "a number of at least 0")
+}
+
+/// A probability, both ends excluded.
+pub(super) fn probability(key: &str, value: f64) -> Result<(), ConfigError> {
+    require(key, value, value > 0.0 && value < 1.0, "a probability between 0 and 1, both excluded")
+}
+
+/// A whole number in a range.
+pub(super) fn within(key: &str, value: u64, range: std::ops::RangeInclusive<u64>) -> Result<(), ConfigError> {
+    let expected = format!("a whole number from {} to {}", range.start(), range.end());
+    require(key, value, range.contains(&value), &expected)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error(text: &str, overrides: &[&str]) -> String {
+        let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
+        parse(Path::new("x.toml"), text, &overrides).expect_err("must be refused").to_string()
+    }
+
+    #[test]
+    fn an_unknown_key_is_named() {
+        let message = error("[extractor]\npfaa = 1e-6\n", &[]);
+        assert!(message.starts_with("x.toml: key `extractor.pfaa`: unknown field"), "{message}");
+        assert!(!message.contains('\n'));
+        let message = error("", &["--", "x"]);
+        assert!(message.contains("expected table.key=value"), "{message}");
+    }
+
+    #[test]
+    fn a_negative_count_is_named() {
+        let message = error("[radar]\nranges = -3\n", &[]);
+        assert!(message.starts_with("x.toml: key `radar.ranges`: invalid value: integer `-3`"), "{message}");
+        let message = error("", &["radar.ranges=0"]);
+        assert!(message.starts_with("key `radar.ranges` is 0, expected a whole number from"), "{message}");
+    }
+
+    #[test]
+    fn an_override_wins_over_the_file_and_may_be_bare_text() {
+        let config = parse(
+            Path::new("x.toml"),
+            "[site]\nname = \"a\"\n[extractor]\npfa = 1e-3\n",
+            &["site.name=b".into(), "extractor.pfa=1e-4".into()],
+        )
+        .expect("valid");
+        assert_eq!(config.site.name, "b");
+        assert!((config.extractor.pfa - 1e-4).abs() < 1e-18);
+    }
+
+    #[test]
+    fn the_effective_configuration_reads_back_as_itself() {
+        let config = load(None, &[]).expect("defaults are valid");
+        let again = parse(Path::new("x.toml"), &config.to_toml(), &[]).expect("valid");
+        assert_eq!(config, again);
+    }
+}

@@ -1,0 +1,93 @@
+//! The configuration of a chain: one TOML file, a table per process.
+//!
+//! Order: defaults, then the file, then `--set table.key=value`. Unknown keys are
+//! errors, every range is checked at start-up, and the effective configuration can be
+//! printed and is embedded in every recording. A [`ChainConfig`] that exists is valid.
+//!
+//! Keys carry their unit; angles are in degrees here and in radians everywhere else.
+
+mod budget;
+mod extractor;
+mod ipc;
+mod load;
+mod plot_source;
+mod radar;
+mod recorder;
+mod run;
+mod sim;
+mod site;
+mod supervision;
+mod tracker;
+
+pub use budget::{Budget, BudgetConfig};
+pub use extractor::ExtractorConfig;
+pub use ipc::IpcConfig;
+pub use load::{ConfigError, load, parse};
+pub use plot_source::*;
+pub use radar::{RadarConfig, RadarGrid};
+pub use recorder::RecorderConfig;
+pub use run::{Mode, RunConfig, Source, Speed};
+pub use sim::{ClutterConfig, MotionConfig, SimConfig, Swerling, TargetConfig};
+pub use site::SiteConfig;
+pub use supervision::SupervisionConfig;
+pub use tracker::*;
+
+use serde::{Deserialize, Serialize};
+
+/// Everything that one chain needs to know.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ChainConfig {
+    /// `[site]`: which radar this is.
+    pub site: SiteConfig,
+    /// `[run]`: what runs, how long, how fast.
+    pub run: RunConfig,
+    /// `[ipc]`: shared memory.
+    pub ipc: IpcConfig,
+    /// `[radar]`: scan and resolution cells of the simulated radar.
+    pub radar: RadarConfig,
+    /// `[sim]`: targets and clutter.
+    pub sim: SimConfig,
+    /// `[extractor]`: detection.
+    pub extractor: ExtractorConfig,
+    /// `[tracker]`: tracking.
+    pub tracker: TrackerConfig,
+    /// `[recorder]`: recording.
+    pub recorder: RecorderConfig,
+    /// `[plot_source]`: recordings of real radars.
+    pub plot_source: PlotSourceConfig,
+    /// `[budget]`: latency limits.
+    pub budget: BudgetConfig,
+    /// `[supervision]`: what happens when a stage dies.
+    pub supervision: SupervisionConfig,
+}
+
+impl ChainConfig {
+    /// Checks every range; called by [`load`] and [`parse`].
+    fn check(&self) -> Result<(), ConfigError> {
+        self.site.check()?;
+        self.run.check()?;
+        self.ipc.check()?;
+        self.radar.check()?;
+        self.sim.check()?;
+        self.extractor.check()?;
+        self.tracker.check()?;
+        self.recorder.check()?;
+        self.plot_source.check()?;
+        self.budget.check()?;
+        self.supervision.check()
+    }
+
+    /// The configuration as TOML, complete: what `radar-chain config` prints.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("a checked configuration can be written as TOML")
+    }
+
+    /// Sectors in a scan of whichever source is configured.
+    pub fn sectors_per_scan(&self) -> u32 {
+        match self.run.source {
+            Source::RadarSim => self.radar.sectors_per_scan,
+            Source::PlotSource => self.plot_source.sectors_per_scan,
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! `[run]`: what runs, how long and how fast.
+
+use serde::{Deserialize, Serialize};
+
+use super::load::{ConfigError, positive, within};
+
+/// Where plots come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Source {
+    /// Simulated cells through the plot extractor.
+    RadarSim,
+    /// A real radar's recorded plots.
+    PlotSource,
+}
+
+/// What a full queue does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// It blocks the publisher: results do not depend on the speed of the machine.
+    Lossless,
+    /// It drops the oldest message, counted: nothing ever blocks the source.
+    RealTime,
+}
+
+impl Mode {
+    /// As in the configuration and in the attribute of the services.
+    pub fn name(self) -> &'static str {
+        match self {
+            Mode::Lossless => "lossless",
+            Mode::RealTime => "real-time",
+        }
+    }
+}
+
+/// Pace of the source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Speed {
+    /// Times real time.
+    Times(f64),
+    /// As fast as the chain accepts.
+    Max,
+}
+
+impl Serialize for Speed {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Speed::Times(factor) => serializer.serialize_f64(*factor),
+            Speed::Max => serializer.serialize_str("max"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Speed {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged, expecting = "expected a number above 0 (times real time) or \"max\"")]
+        enum Raw {
+            Float(f64),
+            Text(String),
+        }
+        let text = match Raw::deserialize(deserializer)? {
+            Raw::Float(factor) => return Ok(Speed::Times(factor)),
+            Raw::Text(text) => text,
+        };
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+impl std::str::FromStr for Speed {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "max" => Ok(Speed::Max),
+            number => number
+                .parse()
+                .map(Speed::Times)
+                .map_err(|_| format!("`{number}` is neither a number (times real time) nor `max`")),
+        }
+    }
+}
+
+/// What runs, how long and how fast.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RunConfig {
+    /// `radar-sim` or `plot-source`.
+    pub source: Source,
+    /// `lossless` or `real-time`.
+    pub mode: Mode,
+    /// Scans to run; 0 runs until stopped or to the end of the recording.
+    pub scans: u32,
+    /// Times real time, or `"max"`.
+    pub speed: Speed,
+    /// Seed of every random draw.
+    pub seed: u64,
+    /// Measurement time of the first scan, s since 1970 (UTC).
+    pub epoch_s: u64,
+}
+
+impl Default for RunConfig {
+    fn default() -> Self {
+        Self {
+            source: Source::RadarSim,
+            mode: Mode::Lossless,
+            scans: 60,
+            speed: Speed::Times(1.0),
+            seed: 1,
+            epoch_s: 1_767_225_600,
+        }
+    }
+}
+
+impl RunConfig {
+    pub(super) fn check(&self) -> Result<(), ConfigError> {
+        if let Speed::Times(factor) = self.speed {
+            positive("run.speed", factor)?;
+        }
+        within("run.epoch_s", self.epoch_s, 0..=10_000_000_000)
+    }
+}

@@ -1,0 +1,150 @@
+//! `[sim]`: targets and clutter of the simulated radar.
+
+use serde::{Deserialize, Serialize};
+
+use super::load::{ConfigError, not_negative, positive, require};
+
+/// How the amplitude of a target fluctuates from scan to scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Swerling {
+    /// Swerling 0: constant.
+    #[serde(rename = "0")]
+    Zero,
+    /// Swerling I: exponential power, one draw a scan.
+    #[serde(rename = "I")]
+    One,
+    /// Swerling III: χ² power with 4 degrees of freedom, one draw a scan.
+    #[serde(rename = "III")]
+    Three,
+}
+
+/// How a target moves. Positions are east, north, up of the antenna in m.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "motion", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum MotionConfig {
+    /// Straight line at constant velocity (zero velocity hovers).
+    Straight {
+        /// Where it is at the start, m.
+        position_m: [f64; 3],
+        /// m/s.
+        velocity_mps: [f64; 3],
+    },
+    /// A trajectory of [L22]: `a`, `b` or `cv`, in its own place (algorithms, section 2).
+    Trajectory {
+        /// `"a"`, `"b"` or `"cv"`.
+        name: String,
+        /// Added to all positions, m.
+        #[serde(default)]
+        shift_m: [f64; 3],
+    },
+    /// From point to point at constant speed, smoothly turning where the course changes; the last leg goes on.
+    Waypoints {
+        /// At least two points, m.
+        points_m: Vec<[f64; 3]>,
+        /// m/s.
+        speed_mps: f64,
+        /// After the last point to the first again, for ever.
+        #[serde(default)]
+        repeat: bool,
+    },
+    /// A recorded flight: CSV with time, latitude, longitude, height (columns found by their names).
+    Csv {
+        /// The file.
+        file: String,
+        /// Where the first row is put, m.
+        position_m: [f64; 3],
+    },
+}
+
+/// One target.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TargetConfig {
+    /// Name in reports.
+    pub name: String,
+    /// How it moves (`motion = "straight" | "trajectory" | "waypoints" | "csv"`).
+    #[serde(flatten)]
+    pub motion: MotionConfig,
+    /// Radar cross-section, m²; the signal-to-noise ratio then follows the radar equation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rcs_m2: Option<f64>,
+    /// Fixed signal-to-noise ratio instead, dB.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub snr_db: Option<f64>,
+    /// `"0"`, `"I"` or `"III"`.
+    pub swerling: Swerling,
+    /// First scan in which it exists.
+    #[serde(default)]
+    pub first_scan: u32,
+}
+
+/// `[sim.clutter]`: Weibull ground clutter near zero Doppler in the lowest beams.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ClutterConfig {
+    /// Clutter reaches out to this range, m; 0 for none.
+    pub range_m: f64,
+    /// Clutter-to-noise ratio in the lowest beam at the first range cell, dB; falls with range⁻³.
+    pub cnr_db: f64,
+    /// Weibull shape of the amplitude: 2 is Rayleigh, less is spikier.
+    pub shape: f64,
+}
+
+impl Default for ClutterConfig {
+    fn default() -> Self {
+        Self { range_m: 1000.0, cnr_db: 15.0, shape: 1.7 }
+    }
+}
+
+/// Targets and clutter.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SimConfig {
+    /// Ground clutter.
+    pub clutter: ClutterConfig,
+    /// Targets, numbered from 1 in this order.
+    pub targets: Vec<TargetConfig>,
+}
+
+impl SimConfig {
+    pub(super) fn check(&self) -> Result<(), ConfigError> {
+        not_negative("sim.clutter.range_m", self.clutter.range_m)?;
+        require("sim.clutter.cnr_db", self.clutter.cnr_db, self.clutter.cnr_db.is_finite(), "a finite number")?;
+        let shape = self.clutter.shape;
+        require("sim.clutter.shape", shape, (0.5..=4.0).contains(&shape), "a number from 0.5 to 4")?;
+        let count = self.targets.len();
+        let limit = crate::services::MAX_TARGETS;
+        require("sim.targets", count, count <= limit, &format!("at most {limit} targets"))?;
+        self.targets.iter().enumerate().try_for_each(|(index, target)| target.check(index))
+    }
+}
+
+impl TargetConfig {
+    fn check(&self, index: usize) -> Result<(), ConfigError> {
+        let key = |name: &str| format!("sim.targets[{index}].{name}");
+        match (self.rcs_m2, self.snr_db) {
+            (Some(rcs), None) => positive(&key("rcs_m2"), rcs)?,
+            (None, Some(snr)) => require(&key("snr_db"), snr, snr.is_finite(), "a finite number")?,
+            _ => require(&key("rcs_m2"), "not the only one", false, "exactly one of rcs_m2 and snr_db")?,
+        }
+        let finite = |name: &str, vector: &[f64; 3]| {
+            let valid = vector.iter().all(|value| value.is_finite());
+            require(&key(name), format!("{vector:?}"), valid, "three finite numbers")
+        };
+        match &self.motion {
+            MotionConfig::Straight { position_m, velocity_mps } => {
+                finite("position_m", position_m)?;
+                finite("velocity_mps", velocity_mps)
+            }
+            MotionConfig::Trajectory { name, shift_m } => {
+                require(&key("name"), name, ["a", "b", "cv"].contains(&name.as_str()), "`a`, `b` or `cv`")?;
+                finite("shift_m", shift_m)
+            }
+            MotionConfig::Waypoints { points_m, speed_mps, .. } => {
+                positive(&key("speed_mps"), *speed_mps)?;
+                require(&key("points_m"), points_m.len(), points_m.len() >= 2, "at least two points")?;
+                points_m.iter().try_for_each(|point| finite("points_m", point))
+            }
+            MotionConfig::Csv { position_m, .. } => finite("position_m", position_m),
+        }
+    }
+}

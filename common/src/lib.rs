@@ -1,0 +1,27 @@
+//! What every process of the chain agrees on: messages, frames and geometry,
+//! the statistics of amplitudes, configuration, services and their ports.
+//!
+//! ```text
+//! radar-sim ──dwells──▶ plot-extractor ──plots──▶ tracker ──tracks──▶ recorder
+//! ```
+//!
+//! Depends on no other crate of the workspace. Shared memory appears only in [`ipc`].
+
+pub mod amplitude;
+pub mod angle;
+pub mod config;
+pub mod dwell;
+pub mod geometry;
+pub mod health;
+pub mod ipc;
+pub mod latency;
+pub mod message;
+pub mod plots;
+pub mod process;
+pub mod random;
+pub mod report;
+pub mod services;
+pub mod time;
+pub mod tracks;
+pub mod truth;
+pub mod units;

@@ -1,0 +1,53 @@
+//! What all message headers have in common: place in the stream and stamps.
+//!
+//! `seq` is the position of a message in the schedule of its stream (dwell, sector
+//! or scan count since the start of the run). A restarted publisher continues the
+//! count where the schedule stands and announces itself by a new `session`, so one
+//! subtraction tells exactly what is missing, whoever failed to deliver it.
+
+use serde::{Deserialize, Serialize};
+
+use iceoryx2::prelude::ZeroCopySend;
+
+/// The last message of a scan.
+pub const END_OF_SCAN: u32 = 1;
+/// The last message of a sector (dwells only).
+pub const END_OF_SECTOR: u32 = 2;
+/// The source has ended; nothing follows in this session.
+pub const END_OF_STREAM: u32 = 4;
+/// More elements were found than the message holds; the weakest were left out and counted.
+pub const TRUNCATED: u32 = 8;
+
+/// CLOCK_MONOTONIC in ns at each hand-over on the way of the last dwell of a sector
+/// through the chain; 0 where a message has not been yet. Only for latency.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend)]
+#[type_name("radar/Stamps/1")]
+#[repr(C)]
+pub struct Stamps {
+    /// The source published the dwell (or, without dwells, the plots).
+    pub source_out_ns: u64,
+    /// The plot extractor took the dwell.
+    pub extractor_in_ns: u64,
+    /// The plot extractor (or plot source) published the plots.
+    pub plots_out_ns: u64,
+    /// The tracker took the plots.
+    pub tracker_in_ns: u64,
+    /// The tracker published the tracks.
+    pub tracks_out_ns: u64,
+}
+
+/// Which messages of the upstream topic went into a result: the recorder can tell
+/// from successive results, exactly, what a stage has missed or lost by its death.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend)]
+#[type_name("radar/Lineage/1")]
+#[repr(C)]
+pub struct Lineage {
+    /// Session of the upstream publisher; 0 if there is no upstream topic.
+    pub session: u64,
+    /// First upstream `seq` that went into this result.
+    pub first_seq: u64,
+    /// Last upstream `seq` that went into this result.
+    pub last_seq: u64,
+    /// Upstream messages taken between the two, rejected ones included.
+    pub taken: u64,
+}

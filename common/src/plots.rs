@@ -1,0 +1,129 @@
+//! `plots`: what was detected in one sector, with decision statistics.
+//!
+//! One message per sector, also when nothing was detected: a missing message always
+//! means loss, and the tracker knows how far the beam's results are complete.
+
+use iceoryx2::prelude::ZeroCopySend;
+use serde::{Deserialize, Serialize};
+
+use crate::message::{Lineage, Stamps};
+
+/// [`Plot::elevation_rad`] is measured.
+pub const HAS_ELEVATION: u32 = 1;
+/// [`Plot::range_rate_mps`] is measured.
+pub const HAS_RANGE_RATE: u32 = 2;
+/// [`Plot::statistic`] is measured.
+pub const HAS_STATISTIC: u32 = 4;
+
+/// One detection: a cluster of cells over threshold, in polar coordinates about the antenna.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[type_name("radar/Plot/1")]
+#[repr(C)]
+pub struct Plot {
+    /// When the beam passed the target, ns UTC.
+    pub time_ns: u64,
+    /// Slant range, m.
+    pub range_m: f64,
+    /// Clockwise from north, rad, in [0, 2π).
+    pub azimuth_rad: f64,
+    /// Above the horizontal, rad; 0 unless [`HAS_ELEVATION`].
+    pub elevation_rad: f64,
+    /// Range rate, m/s, positive when receding; 0 unless [`HAS_RANGE_RATE`].
+    pub range_rate_mps: f64,
+    /// Standard error of the range, m.
+    pub sigma_range_m: f32,
+    /// Standard error of the azimuth, rad.
+    pub sigma_azimuth_rad: f32,
+    /// Standard error of the elevation, rad.
+    pub sigma_elevation_rad: f32,
+    /// Standard error of the range rate, m/s.
+    pub sigma_range_rate_mps: f32,
+    /// Decision statistic z of the peak cell: amplitude over root mean noise power (C4).
+    pub statistic: f32,
+    /// Estimated signal-to-noise ratio at the peak, dB.
+    pub snr_db: f32,
+    /// Cells over threshold in the cluster.
+    pub cell_count: u32,
+    /// `HAS_…`.
+    pub flags: u32,
+    /// SAC (high byte) and SIC (low byte) of the sensor.
+    pub source_id: u32,
+    /// Identity of the target where the sensor knows it, else 0. Only for scoring.
+    pub target_id: u32,
+}
+
+const _: () = assert!(size_of::<Plot>() == 80 && align_of::<Plot>() == 8);
+
+impl Plot {
+    /// Whether all of the given `HAS_…` flags are set.
+    pub fn has(&self, flags: u32) -> bool {
+        self.flags & flags == flags
+    }
+}
+
+/// Header of the plots of one sector.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[type_name("radar/PlotsHeader/1")]
+#[repr(C)]
+#[repr(align(64))]
+pub struct PlotsHeader {
+    /// Position in the stream: `scan · sectors_per_scan + sector`.
+    pub seq: u64,
+    /// Session of the publisher.
+    pub session: u64,
+    /// Measurement time at the end of the sector, ns UTC.
+    pub time_ns: u64,
+    /// Dwells that went into this message.
+    pub lineage: Lineage,
+    /// When and where the last dwell of the sector was.
+    pub stamps: Stamps,
+    /// Start of the azimuth interval newly covered, rad, counted from north of this
+    /// scan without wrapping: negative when it begins in the scan before.
+    pub covered_from_rad: f64,
+    /// End of the interval: every plot before this azimuth has been published. It stays
+    /// behind the beam while a cluster of detections is still open.
+    pub covered_to_rad: f64,
+    /// Time of one scan, s.
+    pub scan_period_s: f64,
+    /// Set probability of false alarm per cell; 0 when unknown.
+    pub pfa: f64,
+    /// Cells tested against a threshold.
+    pub cells: u64,
+    /// Cells over threshold.
+    pub detections: u64,
+    /// Size of a resolution cell: range, m.
+    pub cell_range_m: f64,
+    /// Size of a resolution cell: azimuth, rad.
+    pub cell_azimuth_rad: f64,
+    /// Size of a resolution cell: elevation, rad; 0 without elevation.
+    pub cell_elevation_rad: f64,
+    /// Size of a resolution cell: range rate, m/s; 0 without Doppler.
+    pub cell_range_rate_mps: f64,
+    /// Reference cells of the CFAR; 0 when unknown.
+    pub reference_cells: u32,
+    /// Scan number from 0.
+    pub scan: u32,
+    /// Number of the sector in its scan.
+    pub sector: u32,
+    /// Sectors in a scan.
+    pub sectors_per_scan: u32,
+    /// `END_OF_…`, `TRUNCATED` of [`crate::message`].
+    pub flags: u32,
+    /// Dwells or records rejected since the last message.
+    pub rejected: u32,
+    /// Plots left out because the message was full.
+    pub left_out: u32,
+    /// SAC (high byte) and SIC (low byte) of the radar.
+    pub source_id: u32,
+    /// Always 0: no undefined bytes.
+    pub reserved: [u32; 8],
+}
+
+const _: () = assert!(size_of::<PlotsHeader>() == 256 && align_of::<PlotsHeader>() == 64);
+
+impl PlotsHeader {
+    /// Whether one of the flags of [`crate::message`] is set.
+    pub fn has(&self, flag: u32) -> bool {
+        self.flags & flag != 0
+    }
+}

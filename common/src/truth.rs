@@ -1,0 +1,90 @@
+//! `truth`: where the targets really were, once per scan. Only for scoring.
+
+use iceoryx2::prelude::ZeroCopySend;
+use serde::{Deserialize, Serialize};
+
+use crate::tracks::STATE;
+
+/// [`TruthTarget::mode`]: standing in the air.
+pub const HOVER: u32 = 0;
+/// [`TruthTarget::mode`]: straight and level at constant speed.
+pub const CONSTANT_VELOCITY: u32 = 1;
+/// [`TruthTarget::mode`]: accelerating.
+pub const MANOEUVRE: u32 = 2;
+/// [`TruthTarget::mode`]: not known.
+pub const MODE_UNKNOWN: u32 = 3;
+
+/// [`TruthTarget::flags`]: inside the volume that the radar covers.
+pub const VISIBLE: u32 = 1;
+/// [`TruthTarget::flags`]: a vehicle, not an aircraft.
+pub const VEHICLE: u32 = 2;
+/// [`TruthTarget::flags`]: flying, where a source tells ground from air.
+pub const AIRBORNE: u32 = 4;
+/// [`TruthTarget::flags`]: on the ground, where a source tells ground from air.
+pub const ON_GROUND: u32 = 8;
+/// [`TruthTarget::flags`]: the height is not known (z is 0).
+pub const PLANAR: u32 = 16;
+
+/// One target at the time the beam passed it (or its own sensor measured it).
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[type_name("radar/TruthTarget/1")]
+#[repr(C)]
+pub struct TruthTarget {
+    /// Time of the state, ns UTC.
+    pub time_ns: u64,
+    /// Identity over the whole run, from 1 (an aircraft address for cooperative sensors).
+    pub target_id: u32,
+    /// Mode of motion.
+    pub mode: u32,
+    /// [x ẋ ẍ y ẏ ÿ z ż z̈] in ENU about the antenna; m, m/s, m/s².
+    pub state: [f64; STATE],
+    /// Mean signal-to-noise ratio at the centre of the beam, dB; NaN when not known.
+    pub snr_db: f32,
+    /// [`VISIBLE`] and others.
+    pub flags: u32,
+}
+
+const _: () = assert!(size_of::<TruthTarget>() == 96 && align_of::<TruthTarget>() == 8);
+
+impl TruthTarget {
+    /// Whether one of the flags is set.
+    pub fn has(&self, flag: u32) -> bool {
+        self.flags & flag != 0
+    }
+
+    /// East, north, up; m.
+    pub fn position_m(&self) -> [f64; 3] {
+        [self.state[0], self.state[3], self.state[6]]
+    }
+
+    /// East, north, up; m/s.
+    pub fn velocity_mps(&self) -> [f64; 3] {
+        [self.state[1], self.state[4], self.state[7]]
+    }
+}
+
+/// Header of the truth of one scan.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[type_name("radar/TruthHeader/1")]
+#[repr(C)]
+#[repr(align(64))]
+pub struct TruthHeader {
+    /// Position in the stream: the scan number.
+    pub seq: u64,
+    /// Session of the publisher.
+    pub session: u64,
+    /// Measurement time at the end of the scan, ns UTC.
+    pub time_ns: u64,
+    /// CLOCK_MONOTONIC just before publishing, ns.
+    pub source_out_ns: u64,
+    /// Time of one scan, s.
+    pub scan_period_s: f64,
+    /// Scan number from 0.
+    pub scan: u32,
+    /// `END_OF_…` of [`crate::message`].
+    pub flags: u32,
+    /// Always 0: no undefined bytes.
+    pub reserved: [u32; 4],
+}
+
+const _: () = assert!(size_of::<TruthHeader>() == 64 && align_of::<TruthHeader>() == 64);

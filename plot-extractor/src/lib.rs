@@ -1,0 +1,1 @@
+//! CFAR detection, clustering and centroiding: cells in, plots with decision statistics out.

@@ -1,0 +1,1 @@
+//! Real plots in place of the simulator: ASTERIX recordings.

@@ -1,0 +1,1 @@
+//! Records every service with losses accounted for; latency histograms, scores and the report.

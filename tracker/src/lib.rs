@@ -1,0 +1,1 @@
+//! IMM-PDA tracking with plot statistics: plots in, tracks out.
