@@ -19,6 +19,7 @@ pub mod message;
 pub mod plots;
 pub mod process;
 pub mod random;
+pub mod recording;
 pub mod report;
 pub mod services;
 pub mod time;

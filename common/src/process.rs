@@ -1,1 +1,164 @@
-//! placeholder
+//! What the shells of all processes share: arguments, signals, logging, health, exit codes.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use crate::config::{self, ChainConfig, ConfigError};
+use crate::health::Health;
+use crate::ipc::{IpcError, Publisher, Station};
+use crate::services::{HealthHeader, HealthReports};
+use crate::time::{monotonic_ns, process_cpu_ns, resident_bytes};
+
+/// Exit code: the chain ran, but a budget, loss limit or check was broken.
+pub const EXIT_CHECK_BROKEN: u8 = 1;
+/// Exit code: bad usage or configuration.
+pub const EXIT_BAD_USAGE: u8 = 2;
+/// Exit code: a process failed.
+pub const EXIT_FAILED: u8 = 3;
+
+/// Arguments that every process of the chain takes.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct StageArgs {
+    /// Configuration of the chain (TOML); defaults alone without it
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Override one key, for example --set extractor.pfa=1e-4
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+    /// Keep this chain's shared memory apart from others'
+    #[arg(long, value_name = "PREFIX")]
+    pub ipc_prefix: Option<String>,
+}
+
+impl StageArgs {
+    /// The effective configuration.
+    ///
+    /// # Errors
+    /// [`ConfigError`].
+    pub fn load(&self) -> Result<ChainConfig, ConfigError> {
+        let mut overrides = self.overrides.clone();
+        if let Some(prefix) = &self.ipc_prefix {
+            overrides.push(format!("ipc.prefix={prefix}"));
+        }
+        config::load(self.config.as_deref(), &overrides)
+    }
+}
+
+/// Something that the user has to put right before a process can start (exit code 2).
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct BadInput(pub String);
+
+/// Runs the body of a process: logging, signals, and one line for an error.
+pub fn run(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
+    start_logging();
+    catch_signals();
+    match body() {
+        Ok(code) => code,
+        Err(error) if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(IpcError::Stopped { .. }))) => {
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{name}: {error:#}");
+            let usage = error.chain().any(|cause| cause.is::<ConfigError>() || cause.is::<BadInput>());
+            let memory = |cause: &IpcError| matches!(cause, IpcError::SharedMemoryTooSmall { .. });
+            let usage = usage || error.chain().any(|cause| cause.downcast_ref().is_some_and(memory));
+            ExitCode::from(if usage { EXIT_BAD_USAGE } else { EXIT_FAILED })
+        }
+    }
+}
+
+/// Log lines of level `warn` and above go to standard error; `RADAR_LOG` sets another filter.
+fn start_logging() {
+    let filter = tracing_subscriber::EnvFilter::try_from_env("RADAR_LOG")
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
+    let _ = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).try_init();
+}
+
+static SIGNALS: AtomicU32 = AtomicU32::new(0);
+static ABANDON: AtomicU32 = AtomicU32::new(0);
+
+/// The first SIGINT or SIGTERM asks to stop, the second ends the process at once.
+fn catch_signals() {
+    let installed = ctrlc::set_handler(|| {
+        if SIGNALS.fetch_add(1, Ordering::SeqCst) > 0 {
+            std::process::exit(130);
+        }
+    });
+    if let Err(error) = installed {
+        tracing::warn!(%error, "signals are not handled");
+    }
+}
+
+/// Whether the user has asked to stop.
+pub fn stop_requested() -> bool {
+    SIGNALS.load(Ordering::Relaxed) > 0
+}
+
+/// Asks this process to stop, as a signal would.
+pub fn request_stop() {
+    SIGNALS.fetch_add(1, Ordering::SeqCst);
+}
+
+/// Whether waiting for consumers has become pointless: see [`abandon`].
+pub fn must_abandon() -> bool {
+    ABANDON.load(Ordering::Relaxed) > 0
+}
+
+/// Gives up messages that still wait for room.
+pub fn abandon() {
+    ABANDON.fetch_add(1, Ordering::SeqCst);
+}
+
+/// A number that no earlier start of a process has had: ns since 1970.
+pub fn new_session() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |elapsed| elapsed.as_nanos() as u64)
+}
+
+/// Publishes the health of a process: at every scan and at least once a second.
+pub struct HealthReporter {
+    publisher: Publisher<HealthReports>,
+    /// The report, to be kept up to date by the process.
+    pub health: Health,
+    last: Option<Instant>,
+    last_scan: u32,
+}
+
+impl HealthReporter {
+    /// A reporter for the process `name` of this `session`.
+    ///
+    /// # Errors
+    /// [`IpcError`].
+    pub fn new(station: &Station, name: &str, session: u64) -> Result<Self, IpcError> {
+        let mut health = Health { session, pid: std::process::id(), ..Health::default() };
+        health.set_process(name);
+        Ok(Self { publisher: station.publisher(1, 0)?, health, last: None, last_scan: u32::MAX })
+    }
+
+    /// Whether a report is due: a new scan or a second has passed.
+    pub fn is_due(&self) -> bool {
+        self.last.is_none_or(|last| {
+            let elapsed = last.elapsed();
+            elapsed >= Duration::from_secs(1)
+                || (self.health.scan != self.last_scan && elapsed >= Duration::from_millis(50))
+        })
+    }
+
+    /// Publishes the report now.
+    ///
+    /// # Errors
+    /// [`IpcError`].
+    pub fn publish(&mut self) -> Result<(), IpcError> {
+        self.health.heartbeat_ns = monotonic_ns();
+        self.health.cpu_ns = process_cpu_ns();
+        self.health.rss_bytes = resident_bytes();
+        let header = HealthHeader { session: self.health.session, seq: self.health.seq };
+        self.publisher.publish(&header, std::slice::from_ref(&self.health), |_| {})?;
+        self.health.seq += 1;
+        self.last = Some(Instant::now());
+        self.last_scan = self.health.scan;
+        Ok(())
+    }
+}

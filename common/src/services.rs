@@ -2,6 +2,7 @@
 //! launcher, which creates the services, and by the stages, which open them.
 
 use iceoryx2::prelude::ZeroCopySend;
+use serde::{Deserialize, Serialize};
 
 use crate::dwell::DwellHeader;
 use crate::health::Health;
@@ -80,7 +81,7 @@ pub struct Truth;
 pub struct HealthReports;
 
 /// Most plots in one message; the weakest of more are left out and counted.
-pub const MAX_PLOTS: usize = 2048;
+pub const MAX_PLOTS: usize = 1024;
 /// Most tracks in one message; what is more follows in the next one.
 pub const MAX_TRACKS: usize = 512;
 /// Most targets in the truth of one scan.
@@ -103,8 +104,8 @@ impl Message for Dwells {
 impl Message for Plots {
     const TOPIC: Topic = Topic::Plots;
     const SCHEMA: &'static str = "plots/1";
-    const BUFFER: usize = 64;
-    const SUBSCRIBERS: usize = 5;
+    const BUFFER: usize = 32;
+    const SUBSCRIBERS: usize = 4;
     const PUBLISHERS: usize = 2;
     const HISTORY: usize = 0;
     type Header = PlotsHeader;
@@ -117,8 +118,8 @@ impl Message for Plots {
 impl Message for Tracks {
     const TOPIC: Topic = Topic::Tracks;
     const SCHEMA: &'static str = "tracks/1";
-    const BUFFER: usize = 64;
-    const SUBSCRIBERS: usize = 5;
+    const BUFFER: usize = 16;
+    const SUBSCRIBERS: usize = 4;
     const PUBLISHERS: usize = 2;
     const HISTORY: usize = 0;
     type Header = TracksHeader;
@@ -160,7 +161,7 @@ impl Message for HealthReports {
 }
 
 /// Header of a health message: who sent it. The payload is one [`Health`].
-#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend)]
 #[type_name("radar/HealthHeader/1")]
 #[repr(C)]
 pub struct HealthHeader {

@@ -39,6 +39,7 @@ pub struct TruthTarget {
     /// [x ẋ ẍ y ẏ ÿ z ż z̈] in ENU about the antenna; m, m/s, m/s².
     pub state: [f64; STATE],
     /// Mean signal-to-noise ratio at the centre of the beam, dB; NaN when not known.
+    #[serde(with = "crate::recording::not_known")]
     pub snr_db: f32,
     /// [`VISIBLE`] and others.
     pub flags: u32,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::ChainConfig;
+use super::{ChainConfig, MotionConfig};
 
 /// Why a configuration cannot be used. Each is one line for the user, exit code 2.
 #[derive(Debug, thiserror::Error)]
@@ -62,7 +62,16 @@ pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<ChainConfig, Co
         }
         None => String::new(),
     };
-    parse(path.unwrap_or(Path::new("defaults")), &text, overrides)
+    let mut config = parse(path.unwrap_or(Path::new("defaults")), &text, overrides)?;
+    if let Some(folder) = path.and_then(Path::parent) {
+        // A scenario and its flights are moved together.
+        for target in &mut config.sim.targets {
+            if let MotionConfig::Csv { file, .. } = &mut target.motion {
+                *file = folder.join(&file).display().to_string();
+            }
+        }
+    }
+    Ok(config)
 }
 
 /// As [`load`], from the text of a file; `path` is for messages.

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::load::{ConfigError, within};
+use super::load::{ConfigError, not_negative, positive, require, within};
 
-/// Where real plots come from.
+/// Where real plots come from, and what is known of the radar that made them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlotSourceConfig {
@@ -12,18 +12,154 @@ pub struct PlotSourceConfig {
     pub file: String,
     /// Recording of a cooperative sensor, for scoring; empty for none.
     pub truth: String,
+    /// UTC date of the first report, `YYYY-MM-DD`: reports carry only the time of day.
+    pub date: String,
     /// Sectors in a scan.
     pub sectors_per_scan: u32,
+    /// Nominal time of one turn, s: tells how many start-of-cycle messages are missing in a gap.
+    pub scan_period_s: f64,
+    /// Reports may arrive this long after reports of later time, s.
+    pub reorder_s: f64,
+    /// The radar sees no farther than this, m.
+    pub coverage_range_m: f64,
+    /// Standard error of the range of a plot, m.
+    pub sigma_range_m: f64,
+    /// Standard error of the azimuth of a plot, degrees.
+    pub sigma_azimuth_deg: f64,
+    /// Resolution cell in range, m.
+    pub cell_range_m: f64,
+    /// Resolution cell in azimuth, degrees.
+    pub cell_azimuth_deg: f64,
+    /// `[plot_source.registration]`: how radar and cooperative sensor lie to each other.
+    pub registration: RegistrationConfig,
 }
 
 impl Default for PlotSourceConfig {
     fn default() -> Self {
-        Self { file: String::new(), truth: String::new(), sectors_per_scan: 32 }
+        Self {
+            file: String::new(),
+            truth: String::new(),
+            date: "1970-01-01".into(),
+            sectors_per_scan: 32,
+            scan_period_s: 1.0,
+            reorder_s: 0.25,
+            coverage_range_m: 10_000.0,
+            sigma_range_m: 3.0,
+            sigma_azimuth_deg: 0.1,
+            cell_range_m: 6.0,
+            cell_azimuth_deg: 0.4,
+            registration: RegistrationConfig::default(),
+        }
     }
+}
+
+/// Site registration: systematic differences between the radar, true north and the cooperative sensor.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RegistrationConfig {
+    /// The radar reads azimuth too large by this, degrees; taken off every plot.
+    pub azimuth_bias_deg: f64,
+    /// Place of the radar, WGS-84 latitude, degrees.
+    pub radar_latitude_deg: f64,
+    /// Place of the radar, WGS-84 longitude, degrees.
+    pub radar_longitude_deg: f64,
+    /// Height of the radar above the ellipsoid, m.
+    pub radar_height_m: f64,
+    /// Origin of the cooperative sensor's Cartesian positions, WGS-84 latitude, degrees.
+    pub truth_latitude_deg: f64,
+    /// Origin of the cooperative sensor's Cartesian positions, WGS-84 longitude, degrees.
+    pub truth_longitude_deg: f64,
+    /// Height of that origin above the ellipsoid, m.
+    pub truth_height_m: f64,
+    /// Added to true positions after the change of tangent plane, m east.
+    pub truth_offset_east_m: f64,
+    /// Added to true positions after the change of tangent plane, m north.
+    pub truth_offset_north_m: f64,
+    /// The radar sees the centroid of an aircraft this far behind its cooperative position, m along the heading.
+    pub centroid_behind_m: f64,
+    /// Step of the cooperative sensor's Cartesian velocity (I010/202), m/s; 0 stands for 1/16, that of the specification.
+    pub truth_velocity_step_mps: f64,
 }
 
 impl PlotSourceConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        within("plot_source.sectors_per_scan", self.sectors_per_scan.into(), 1..=1024)
+        within("plot_source.sectors_per_scan", self.sectors_per_scan.into(), 1..=1024)?;
+        require("plot_source.date", &self.date, self.days_since_1970().is_some(), "a date from 1970 on as YYYY-MM-DD")?;
+        positive("plot_source.scan_period_s", self.scan_period_s)?;
+        not_negative("plot_source.reorder_s", self.reorder_s)?;
+        positive("plot_source.coverage_range_m", self.coverage_range_m)?;
+        positive("plot_source.sigma_range_m", self.sigma_range_m)?;
+        positive("plot_source.sigma_azimuth_deg", self.sigma_azimuth_deg)?;
+        positive("plot_source.cell_range_m", self.cell_range_m)?;
+        positive("plot_source.cell_azimuth_deg", self.cell_azimuth_deg)?;
+        self.registration.check()
+    }
+
+    /// Midnight UTC at the start of the configured date, ns since 1970; 0 for a date that is none.
+    pub fn midnight_ns(&self) -> u64 {
+        self.days_since_1970().unwrap_or(0) * 86_400_000_000_000
+    }
+
+    /// Days from 1970-01-01 to the configured date in the Gregorian calendar.
+    fn days_since_1970(&self) -> Option<u64> {
+        let mut parts = self.date.split('-').map(str::parse::<u64>);
+        let (year, month, day) = (parts.next()?.ok()?, parts.next()?.ok()?, parts.next()?.ok()?);
+        let leap = |year: u64| (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
+        let months = [31, 28 + u64::from(leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+        let month_index = usize::try_from(month).ok()?.checked_sub(1)?;
+        let valid = (1970..=2500).contains(&year) && (1..=*months.get(month_index)?).contains(&day);
+        let years: u64 = (1970..year).map(|year| 365 + u64::from(leap(year))).sum();
+        (valid && parts.next().is_none()).then(|| years + months[..month_index].iter().sum::<u64>() + day - 1)
+    }
+}
+
+impl RegistrationConfig {
+    fn check(&self) -> Result<(), ConfigError> {
+        let key = |name: &str| format!("plot_source.registration.{name}");
+        for (name, value) in
+            [("radar_latitude_deg", self.radar_latitude_deg), ("truth_latitude_deg", self.truth_latitude_deg)]
+        {
+            require(&key(name), value, (-90.0..=90.0).contains(&value), "a latitude from -90 to 90")?;
+        }
+        for (name, value) in
+            [("radar_longitude_deg", self.radar_longitude_deg), ("truth_longitude_deg", self.truth_longitude_deg)]
+        {
+            require(&key(name), value, (-180.0..=180.0).contains(&value), "a longitude from -180 to 180")?;
+        }
+        for (name, value) in [
+            ("azimuth_bias_deg", self.azimuth_bias_deg),
+            ("radar_height_m", self.radar_height_m),
+            ("truth_height_m", self.truth_height_m),
+            ("truth_offset_east_m", self.truth_offset_east_m),
+            ("truth_offset_north_m", self.truth_offset_north_m),
+            ("centroid_behind_m", self.centroid_behind_m),
+        ] {
+            require(&key(name), value, value.is_finite(), "a finite number")?;
+        }
+        not_negative(&key("truth_velocity_step_mps"), self.truth_velocity_step_mps)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn midnight_s(date: &str) -> u64 {
+        PlotSourceConfig { date: date.into(), ..Default::default() }.midnight_ns() / 1_000_000_000
+    }
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        assert_eq!(midnight_s("1970-01-01"), 0);
+        assert_eq!(midnight_s("2000-03-01"), 951_868_800);
+        assert_eq!(midnight_s("2020-10-02"), 1_601_596_800);
+    }
+
+    #[test]
+    fn what_is_no_date_is_refused() {
+        for date in ["", "2020-13-01", "2021-02-29", "2020-00-10", "1969-12-31", "2020-01-01-01", "2nd of May"] {
+            let error = PlotSourceConfig { date: date.into(), ..Default::default() }.check().expect_err(date);
+            assert!(error.to_string().starts_with("key `plot_source.date`"), "{error}");
+        }
     }
 }

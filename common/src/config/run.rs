@@ -90,8 +90,12 @@ pub struct RunConfig {
     pub source: Source,
     /// `lossless` or `real-time`.
     pub mode: Mode,
-    /// Scans to run; 0 runs until stopped or to the end of the recording.
+    /// Number of the last scan plus one; 0 runs until stopped or to the end of the recording.
     pub scans: u32,
+    /// First scan; a source that was restarted goes on here.
+    pub first_scan: u32,
+    /// Name of the run, in the names of recordings; empty for the time of its start.
+    pub id: String,
     /// Times real time, or `"max"`.
     pub speed: Speed,
     /// Seed of every random draw.
@@ -106,6 +110,8 @@ impl Default for RunConfig {
             source: Source::RadarSim,
             mode: Mode::Lossless,
             scans: 60,
+            first_scan: 0,
+            id: String::new(),
             speed: Speed::Times(1.0),
             seed: 1,
             epoch_s: 1_767_225_600,

@@ -32,7 +32,7 @@ pub enum MotionConfig {
     /// A trajectory of [L22]: `a`, `b` or `cv`, in its own place (algorithms, section 2).
     Trajectory {
         /// `"a"`, `"b"` or `"cv"`.
-        name: String,
+        trajectory: String,
         /// Added to all positions, m.
         #[serde(default)]
         shift_m: [f64; 3],
@@ -135,8 +135,13 @@ impl TargetConfig {
                 finite("position_m", position_m)?;
                 finite("velocity_mps", velocity_mps)
             }
-            MotionConfig::Trajectory { name, shift_m } => {
-                require(&key("name"), name, ["a", "b", "cv"].contains(&name.as_str()), "`a`, `b` or `cv`")?;
+            MotionConfig::Trajectory { trajectory, shift_m } => {
+                require(
+                    &key("trajectory"),
+                    trajectory,
+                    ["a", "b", "cv"].contains(&trajectory.as_str()),
+                    "`a`, `b` or `cv`",
+                )?;
                 finite("shift_m", shift_m)
             }
             MotionConfig::Waypoints { points_m, speed_mps, .. } => {

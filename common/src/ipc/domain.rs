@@ -1,0 +1,153 @@
+//! A shared-memory domain: chains with different prefixes do not see each other.
+
+use std::path::{Path, PathBuf};
+
+use iceoryx2::prelude::*;
+
+use super::IpcError;
+use crate::config::{ChainConfig, IpcConfig};
+use crate::services::{Dwells, HealthReports, Message, Plots, Tracks, Truth};
+use crate::services::{MAX_PLOTS, MAX_TARGETS, MAX_TRACKS};
+
+/// Where shared-memory segments live on Linux.
+const SHARED_MEMORY: &str = "/dev/shm";
+
+/// Prefix and folder of one chain's files.
+#[derive(Debug, Clone)]
+pub struct Domain {
+    prefix: String,
+    root: PathBuf,
+    config: Config,
+}
+
+impl Domain {
+    /// Prepares the domain and makes it this process's global one: a node that died
+    /// before it wrote its details is only found, and cleaned up, through the global
+    /// configuration, which iceoryx2 takes from a file.
+    ///
+    /// # Errors
+    /// [`IpcError::Domain`] if the folder or the file in it cannot be written.
+    pub fn enter(ipc: &IpcConfig) -> Result<Self, IpcError> {
+        let root = Self::root(ipc);
+        let error =
+            |reason: String| IpcError::Domain { prefix: ipc.prefix.clone(), root: root.display().to_string(), reason };
+        set_log_level(LogLevel::Fatal);
+        let mut config = Config::default();
+        config.global.prefix = FileName::new(Self::file_prefix(&ipc.prefix).as_bytes())
+            .map_err(|cause| error(format!("prefix refused: {cause:?}")))?;
+        let root_path = iceoryx2::prelude::Path::new(root.display().to_string().as_bytes())
+            .map_err(|cause| error(format!("path refused: {cause:?}")))?;
+        config.global.set_root_path(&root_path);
+
+        std::fs::create_dir_all(&root).map_err(|cause| error(cause.to_string()))?;
+        let file = root.join("iceoryx2.toml");
+        let text = toml::to_string(&config).map_err(|cause| error(cause.to_string()))?;
+        if std::fs::read_to_string(&file).is_ok_and(|present| present == text) {
+            // Another process of the chain has written it.
+        } else {
+            let draft = root.join(format!("iceoryx2.toml.{}", std::process::id()));
+            std::fs::write(&draft, text)
+                .and_then(|()| std::fs::rename(&draft, &file))
+                .map_err(|cause| error(cause.to_string()))?;
+        }
+        let path = FilePath::new(file.display().to_string().as_bytes())
+            .map_err(|cause| error(format!("path refused: {cause:?}")))?;
+        Config::setup_global_config_from_file(&path).map_err(|cause| error(format!("{cause:?}")))?;
+        Ok(Self { prefix: ipc.prefix.clone(), root, config })
+    }
+
+    /// Folder of the domain's management files.
+    pub fn root(ipc: &IpcConfig) -> PathBuf {
+        Path::new(&ipc.root).join(format!("radar-chain-{}", ipc.prefix))
+    }
+
+    fn file_prefix(prefix: &str) -> String {
+        format!("{prefix}.rc_")
+    }
+
+    /// The iceoryx2 configuration of the domain.
+    pub(super) fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// Releases what dead processes have left. Cheap when there is none.
+    pub fn clean_dead_nodes(&self) {
+        clean_dead_nodes(&self.config);
+    }
+
+    /// Whether any living process uses the domain.
+    pub fn is_alive(&self) -> bool {
+        let mut alive = false;
+        let _ = Node::<ipc::Service>::list(&self.config, |state| {
+            alive |= matches!(state, NodeState::Alive(_));
+            CallbackProgression::Continue
+        });
+        alive
+    }
+
+    /// Removes every file of the domain. Only when no process uses it.
+    pub fn remove(&self) {
+        clean_dead_nodes(&self.config);
+        let _ = std::fs::remove_dir_all(&self.root);
+        let prefix = Self::file_prefix(&self.prefix);
+        let Ok(entries) = std::fs::read_dir(SHARED_MEMORY) else { return };
+        for entry in entries.flatten() {
+            if entry.file_name().to_string_lossy().starts_with(&prefix) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+
+    /// Compares free shared memory with what `chain` needs at most. To be asked before
+    /// anything is created: writing to a page that is not there ends a process by SIGBUS.
+    ///
+    /// # Errors
+    /// [`IpcError::SharedMemoryTooSmall`].
+    pub fn check_shared_memory(chain: &ChainConfig) -> Result<(), IpcError> {
+        let Ok(space) = rustix::fs::statvfs(SHARED_MEMORY) else { return Ok(()) };
+        let free = space.f_bavail * space.f_frsize;
+        let needed = shared_memory_needed(chain);
+        if free >= needed {
+            return Ok(());
+        }
+        Err(IpcError::SharedMemoryTooSmall { free_mib: free >> 20, needed_mib: (needed >> 20) + 1 })
+    }
+}
+
+/// Shared memory that all publishers of `chain` can fill at most, bytes.
+pub fn shared_memory_needed(chain: &ChainConfig) -> u64 {
+    fn segment<M: Message>(elements: usize) -> u64 {
+        let sample = size_of::<M::Header>() + size_of::<M::Element>() * elements + 64;
+        let samples = M::SUBSCRIBERS * (M::BUFFER + BORROWED) + M::HISTORY + LOANED;
+        (sample * samples) as u64
+    }
+    let cells = match chain.run.source {
+        crate::config::Source::RadarSim => chain.radar.grid().cells(),
+        crate::config::Source::PlotSource => 0,
+    };
+    segment::<Dwells>(cells)
+        + segment::<Plots>(MAX_PLOTS)
+        + segment::<Tracks>(MAX_TRACKS)
+        + segment::<Truth>(MAX_TARGETS)
+        + PROCESSES * segment::<HealthReports>(1)
+        + MANAGEMENT
+}
+
+/// Room for the ports' own queues and lists, bytes.
+const MANAGEMENT: u64 = 4 << 20;
+/// Processes that publish their health.
+const PROCESSES: u64 = 6;
+/// Samples that a subscriber may hold at once.
+pub(super) const BORROWED: usize = 2;
+/// Samples that a publisher may hold at once.
+pub(super) const LOANED: usize = 1;
+
+/// Releases what dead processes have left in the domain of `config`.
+pub(super) fn clean_dead_nodes(config: &Config) {
+    let _ = Node::<ipc::Service>::list(config, |state| {
+        if let NodeState::Dead(dead) = state {
+            let _ = dead.try_remove_stale_resources();
+        }
+        CallbackProgression::Continue
+    });
+}

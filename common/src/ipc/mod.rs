@@ -1,0 +1,72 @@
+//! Shared memory: the only place that knows iceoryx2.
+//!
+//! - [`Domain`]: prefix and folder that separate one chain from another; clean-up.
+//! - [`Station`]: a process in the domain; opens the ports of its site.
+//! - [`Publisher`], [`Subscriber`]: one topic each, with the mode's queue policy and
+//!   with losses counted from sequence numbers.
+//! - [`attend`]: sleep until something arrives or 100 ms have passed.
+
+mod domain;
+mod intake;
+mod publisher;
+mod station;
+mod subscriber;
+mod wait;
+
+pub use domain::{Domain, shared_memory_needed};
+pub use intake::count_intake;
+pub use publisher::Publisher;
+pub use station::{Keeper, Station};
+pub use subscriber::{Received, Subscriber};
+pub use wait::{Flow, Wake, attend};
+
+/// Why a port or service is not to be had. The process cannot work without: exit code 3.
+#[derive(Debug, thiserror::Error)]
+pub enum IpcError {
+    /// The folder or configuration of the domain cannot be made.
+    #[error("cannot prepare shared-memory domain `{prefix}` in {root}: {reason}")]
+    Domain {
+        /// Prefix of the domain.
+        prefix: String,
+        /// Its folder.
+        root: String,
+        /// Why.
+        reason: String,
+    },
+    /// A service cannot be opened or created.
+    #[error("cannot open service `{service}` ({schema}, {mode}): {reason}")]
+    Service {
+        /// Name of the service.
+        service: String,
+        /// Version of its messages.
+        schema: &'static str,
+        /// Delivery mode wanted.
+        mode: &'static str,
+        /// Why.
+        reason: String,
+    },
+    /// A port cannot be created on an open service, or fails.
+    #[error("{port} of `{topic}` failed: {reason}")]
+    Port {
+        /// Publisher, subscriber, listener, notifier.
+        port: &'static str,
+        /// Which topic.
+        topic: &'static str,
+        /// Why.
+        reason: String,
+    },
+    /// /dev/shm is too small for the services of this configuration.
+    #[error("/dev/shm has {free_mib} MiB free, this chain needs {needed_mib} MiB: enlarge it (containers: --shm-size)")]
+    SharedMemoryTooSmall {
+        /// Free, MiB.
+        free_mib: u64,
+        /// Needed at most, MiB.
+        needed_mib: u64,
+    },
+    /// The user asked to stop while a message waited for room.
+    #[error("stopped while waiting for the consumers of `{topic}`")]
+    Stopped {
+        /// Which topic.
+        topic: &'static str,
+    },
+}

@@ -1,0 +1,176 @@
+//! A process in a domain.
+
+use iceoryx2::prelude::*;
+use iceoryx2::service::port_factory::{event, publish_subscribe};
+
+use super::domain::{BORROWED, Domain};
+use super::{IpcError, Publisher, Subscriber, Wake};
+use crate::config::{ChainConfig, Mode};
+use crate::services::{Dwells, HealthReports, Message, Plots, Topic, Tracks, Truth};
+
+pub(super) type Ipc = ipc::Service;
+pub(super) type DataService<M> = publish_subscribe::PortFactory<Ipc, [<M as Message>::Element], <M as Message>::Header>;
+pub(super) type EventService = event::PortFactory<Ipc>;
+
+/// One process at one site of a domain.
+#[derive(Debug)]
+pub struct Station {
+    node: Node<Ipc>,
+    domain: Domain,
+    site: String,
+    mode: Mode,
+}
+
+/// All services of a site, held open so that no death of a stage can leave one half made.
+pub struct Keeper {
+    _services: (DataService<Dwells>, DataService<Plots>, DataService<Tracks>, DataService<Truth>),
+    _health: DataService<HealthReports>,
+    _events: Vec<EventService>,
+}
+
+impl Station {
+    /// Enters the domain of `chain` as the process `name`.
+    ///
+    /// # Errors
+    /// [`IpcError::Domain`].
+    pub fn enter(name: &str, chain: &ChainConfig) -> Result<Self, IpcError> {
+        let domain = Domain::enter(&chain.ipc)?;
+        let error = |reason| IpcError::Domain {
+            prefix: chain.ipc.prefix.clone(),
+            root: Domain::root(&chain.ipc).display().to_string(),
+            reason,
+        };
+        let node_name = NodeName::new(name).map_err(|cause| error(format!("{cause:?}")))?;
+        let node = NodeBuilder::new()
+            .name(&node_name)
+            .config(domain.config())
+            // `process::catch_signals` handles them: iceoryx2 would replace its handler.
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<Ipc>()
+            .map_err(|cause| error(format!("{cause:?}")))?;
+        Ok(Self { node, domain, site: chain.site.name.clone(), mode: chain.run.mode })
+    }
+
+    /// The domain.
+    pub fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Creates every service of the site and holds it open.
+    ///
+    /// # Errors
+    /// [`IpcError::Service`] if one exists with another version or mode.
+    pub fn keep_services(&self) -> Result<Keeper, IpcError> {
+        let events = [Topic::Dwells, Topic::Plots, Topic::Tracks, Topic::Truth, Topic::Health];
+        Ok(Keeper {
+            _services: (self.data::<Dwells>()?, self.data::<Plots>()?, self.data::<Tracks>()?, self.data::<Truth>()?),
+            _health: self.data::<HealthReports>()?,
+            _events: events.into_iter().map(|topic| self.event(topic)).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The publisher of a topic, for messages of at most `max_elements`. In lossless
+    /// mode it does not send before `consumers` subscribers are there.
+    ///
+    /// # Errors
+    /// [`IpcError`].
+    pub fn publisher<M: Message>(&self, max_elements: usize, consumers: usize) -> Result<Publisher<M>, IpcError> {
+        Publisher::new(
+            self.data::<M>()?,
+            &self.event(M::TOPIC)?,
+            self.policy::<M>(),
+            &self.domain,
+            max_elements,
+            consumers,
+        )
+    }
+
+    /// A subscriber to a topic.
+    ///
+    /// # Errors
+    /// [`IpcError`].
+    pub fn subscriber<M: Message>(&self) -> Result<Subscriber<M>, IpcError> {
+        Subscriber::new(&self.data::<M>()?)
+    }
+
+    /// What [`super::attend`] needs to be woken by messages of a topic.
+    ///
+    /// # Errors
+    /// [`IpcError`].
+    pub fn wake(&self, topic: Topic) -> Result<Wake, IpcError> {
+        Wake::new(&self.event(topic)?, topic)
+    }
+
+    /// Health reports are never waited for, whatever the mode of the chain.
+    fn policy<M: Message>(&self) -> Mode {
+        if M::TOPIC == Topic::Health { Mode::RealTime } else { self.mode }
+    }
+
+    fn service_name(&self, topic: Topic) -> String {
+        format!("radar/{}/{}", self.site, topic.name())
+    }
+
+    fn data<M: Message>(&self) -> Result<DataService<M>, IpcError> {
+        let mode = self.policy::<M>();
+        let service = self.service_name(M::TOPIC);
+        let error = |reason: String| IpcError::Service {
+            service: service.clone(),
+            schema: M::SCHEMA,
+            mode: mode.name(),
+            reason,
+        };
+        let attribute = |verifier: AttributeVerifier, key: &str, value: &str| {
+            let key = key.try_into().map_err(|cause| error(format!("{cause:?}")))?;
+            let value = value.try_into().map_err(|cause| error(format!("{cause:?}")))?;
+            verifier.require(&key, &value).map_err(|cause| error(format!("{cause:?}")))
+        };
+        let attributes = attribute(AttributeVerifier::new(), "schema", M::SCHEMA)?;
+        let attributes = attribute(attributes, "mode", mode.name())?;
+        let name = ServiceName::new(&service).map_err(|cause| error(format!("{cause:?}")))?;
+        self.node
+            .service_builder(&name)
+            .publish_subscribe::<[M::Element]>()
+            .user_header::<M::Header>()
+            .max_publishers(M::PUBLISHERS)
+            .max_subscribers(M::SUBSCRIBERS)
+            .max_nodes(MAX_NODES)
+            .subscriber_max_buffer_size(M::BUFFER)
+            .subscriber_max_borrowed_samples(BORROWED)
+            .history_size(M::HISTORY)
+            .enable_safe_overflow(mode == Mode::RealTime)
+            .open_or_create_with_attributes(&attributes)
+            .map_err(|cause| error(explain(&format!("{cause:?}"))))
+    }
+
+    fn event(&self, topic: Topic) -> Result<EventService, IpcError> {
+        let service = self.service_name(topic);
+        let error =
+            |reason: String| IpcError::Service { service: service.clone(), schema: "event", mode: "event", reason };
+        let name = ServiceName::new(&service).map_err(|cause| error(format!("{cause:?}")))?;
+        self.node
+            .service_builder(&name)
+            .event()
+            .max_nodes(MAX_NODES)
+            .max_notifiers(HealthReports::PUBLISHERS)
+            .max_listeners(HealthReports::SUBSCRIBERS)
+            .open_or_create()
+            .map_err(|cause| error(explain(&format!("{cause:?}"))))
+    }
+}
+
+/// Processes that may use a service at once, those not yet cleaned up included.
+const MAX_NODES: usize = 24;
+
+/// Adds what a user can do about it to iceoryx2's names of errors.
+fn explain(cause: &str) -> String {
+    let hint = if cause.contains("Attributes") || cause.contains("Types") || cause.contains("Overflow") {
+        "a process of another version or delivery mode runs in this domain; stop it or use another --ipc-prefix"
+    } else if cause.contains("Hangs") || cause.contains("Corrupted") {
+        "a process was killed while it created the service; stop the chain and start it again"
+    } else if cause.contains("Exceeds") {
+        "too many processes use the service"
+    } else {
+        return cause.to_string();
+    };
+    format!("{cause} ({hint})")
+}

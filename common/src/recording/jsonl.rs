@@ -1,0 +1,136 @@
+//! JSON lines: one object per message,
+//! `{"topic":"plots","header":{…},"elements":[…]}`.
+//!
+//! Numbers are written with as many digits as it takes to read them back unchanged.
+//! Dwells have no text form: they would take 10⁹ bytes per second.
+
+use std::io::{BufRead, Write};
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+
+use super::{Recorded, RecordedRef, RecordingError};
+
+/// A line as it is written.
+#[derive(Serialize)]
+struct LineOut<'a, H, E> {
+    topic: &'static str,
+    header: &'a H,
+    elements: &'a [E],
+}
+
+/// A line of which only the topic is understood yet.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LineIn<'a> {
+    topic: String,
+    #[serde(borrow)]
+    header: &'a RawValue,
+    #[serde(borrow)]
+    elements: &'a RawValue,
+}
+
+/// Writes messages as JSON lines.
+#[derive(Debug)]
+pub struct Writer<W: Write> {
+    out: W,
+}
+
+impl<W: Write> Writer<W> {
+    /// A writer; give it a buffered `out`.
+    pub fn new(out: W) -> Self {
+        Self { out }
+    }
+
+    /// Appends one message.
+    ///
+    /// # Errors
+    /// `out` fails, or the message is a dwell.
+    pub fn write(&mut self, message: RecordedRef<'_>) -> Result<(), RecordingError> {
+        let topic = message.topic().name();
+        match message {
+            RecordedRef::Dwells(..) => {
+                let error = std::io::Error::new(std::io::ErrorKind::Unsupported, "dwells have no text form");
+                return Err(RecordingError::Io(error));
+            }
+            RecordedRef::Plots(header, elements) => self.line(&LineOut { topic, header, elements }),
+            RecordedRef::Tracks(header, elements) => self.line(&LineOut { topic, header, elements }),
+            RecordedRef::Truth(header, elements) => self.line(&LineOut { topic, header, elements }),
+            RecordedRef::Health(header, elements) => self.line(&LineOut { topic, header, elements }),
+        }?;
+        Ok(())
+    }
+
+    fn line<H: Serialize, E: Serialize>(&mut self, line: &LineOut<'_, H, E>) -> std::io::Result<()> {
+        serde_json::to_writer(&mut self.out, line)?;
+        self.out.write_all(b"\n")
+    }
+
+    /// Writes out what is buffered.
+    ///
+    /// # Errors
+    /// `out` fails.
+    pub fn finish(mut self) -> Result<(), RecordingError> {
+        Ok(self.out.flush()?)
+    }
+}
+
+/// Reads messages from JSON lines; empty lines are skipped. Ends after the first line that cannot be read at all.
+#[derive(Debug)]
+pub struct Reader<R: BufRead> {
+    input: R,
+    line: String,
+    number: u64,
+    failed: bool,
+}
+
+impl<R: BufRead> Reader<R> {
+    /// A reader from the start of `input`.
+    pub fn new(input: R) -> Self {
+        Self { input, line: String::new(), number: 0, failed: false }
+    }
+}
+
+impl<R: BufRead> Iterator for Reader<R> {
+    type Item = Result<Recorded, RecordingError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.failed {
+            return None;
+        }
+        loop {
+            self.line.clear();
+            self.number += 1;
+            match self.input.read_line(&mut self.line) {
+                Ok(0) => return None,
+                Ok(_) if self.line.trim().is_empty() => {}
+                Ok(_) => {
+                    let line = self.number;
+                    return Some(parse(&self.line).map_err(|message| RecordingError::Line { line, message }));
+                }
+                Err(error) => {
+                    self.failed = true; // not text: every further line would say the same
+                    return Some(Err(RecordingError::Line { line: self.number, message: error.to_string() }));
+                }
+            }
+        }
+    }
+}
+
+fn parse(line: &str) -> Result<Recorded, String> {
+    let parsed: LineIn<'_> = serde_json::from_str(line).map_err(|error| error.to_string())?;
+    match parsed.topic.as_str() {
+        "plots" => parts(&parsed).map(|(header, elements)| Recorded::Plots(header, elements)),
+        "tracks" => parts(&parsed).map(|(header, elements)| Recorded::Tracks(header, elements)),
+        "truth" => parts(&parsed).map(|(header, elements)| Recorded::Truth(header, elements)),
+        "health" => parts(&parsed).map(|(header, elements)| Recorded::Health(header, elements)),
+        other => Err(format!("topic `{other}`: expected plots, tracks, truth or health")),
+    }
+}
+
+fn parts<H: DeserializeOwned, E: DeserializeOwned>(line: &LineIn<'_>) -> Result<(H, Vec<E>), String> {
+    let header = serde_json::from_str(line.header.get()).map_err(|error| format!("header: {error}"))?;
+    let elements = serde_json::from_str(line.elements.get()).map_err(|error| format!("elements: {error}"))?;
+    Ok((header, elements))
+}

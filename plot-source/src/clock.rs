@@ -1,0 +1,52 @@
+//! Time of day to ns UTC, across midnight.
+
+/// Steps of I010/140 in a second.
+const STEPS_PER_S: u64 = 128;
+/// Steps in a day.
+const DAY: i64 = 86_400 * STEPS_PER_S as i64;
+
+/// Continues the time of day over midnight: of all days, the one is meant that brings a time
+/// of day closest to the one before. Reports out of order are therefore taken right.
+#[derive(Debug, Clone)]
+pub struct DayClock {
+    midnight_ns: u64,
+    last: Option<i64>,
+}
+
+impl DayClock {
+    /// A clock whose first time of day belongs to the day that begins at `midnight_ns`.
+    pub fn new(midnight_ns: u64) -> Self {
+        Self { midnight_ns, last: None }
+    }
+
+    /// The UTC time, ns, of a time of day in 1/128 s.
+    pub fn time_ns(&mut self, time_of_day: u32) -> u64 {
+        let time = i64::from(time_of_day);
+        let last = self.last.unwrap_or(time);
+        let forward = (time - last).rem_euclid(DAY);
+        let step = if forward >= DAY / 2 { forward - DAY } else { forward };
+        // Before the first midnight there is no time: a report from there is put at it.
+        let steps = (last + step).max(0);
+        self.last = Some(steps);
+        self.midnight_ns + steps as u64 * (1_000_000_000 / STEPS_PER_S)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn midnight_is_passed_forwards_and_backwards() {
+        let day_s = 86_400;
+        let mut clock = DayClock::new(1_000_000_000);
+        let mut seconds = |time_of_day_s: u32| clock.time_ns(time_of_day_s * 128) / 1_000_000_000 - 1;
+        assert_eq!(seconds(day_s - 1), 86_399);
+        assert_eq!(seconds(1), 86_401); // the next day
+        assert_eq!(seconds(day_s - 2), 86_398); // late, from before midnight
+        assert_eq!(seconds(3), 86_403);
+        assert_eq!(seconds(day_s / 3), 86_400 + 28_800);
+        assert_eq!(seconds(day_s - 1), 86_400 + 86_399);
+        assert_eq!(seconds(0), 2 * 86_400);
+    }
+}

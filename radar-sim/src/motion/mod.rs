@@ -1,0 +1,80 @@
+//! How targets move: position, velocity and acceleration at any time.
+
+mod flight;
+mod segments;
+mod waypoints;
+
+use common::config::{MotionConfig, TargetConfig};
+use common::truth::{CONSTANT_VELOCITY, HOVER};
+use nalgebra::Vector3;
+
+use crate::SimError;
+pub use flight::Flight;
+pub use segments::Segments;
+pub use waypoints::Course;
+
+/// State of a target in ENU about the antenna.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kinematics {
+    /// m.
+    pub position_m: Vector3<f64>,
+    /// m/s.
+    pub velocity_mps: Vector3<f64>,
+    /// m/s².
+    pub acceleration_mps2: Vector3<f64>,
+    /// Mode of motion, as in [`common::truth`].
+    pub mode: u32,
+}
+
+/// The motion of one target.
+#[derive(Debug, Clone)]
+pub enum Motion {
+    /// Pieces of constant acceleration; also straight lines.
+    Segments(Segments),
+    /// Legs and turns at constant speed.
+    Course(Course),
+    /// A recorded flight.
+    Flight(Flight),
+}
+
+impl Motion {
+    /// The motion that `target` asks for; reads the file of a recorded flight.
+    ///
+    /// # Errors
+    /// [`SimError::Flight`].
+    pub fn of(target: &TargetConfig) -> Result<Self, SimError> {
+        Ok(match &target.motion {
+            MotionConfig::Straight { position_m, velocity_mps } => {
+                Self::Segments(Segments::straight((*position_m).into(), (*velocity_mps).into()))
+            }
+            MotionConfig::Trajectory { trajectory, shift_m } => {
+                Self::Segments(Segments::published(trajectory, (*shift_m).into()))
+            }
+            MotionConfig::Waypoints { points_m, speed_mps, repeat } => {
+                let points = points_m.iter().map(|&point| point.into()).collect::<Vec<_>>();
+                Self::Course(Course::new(&points, *speed_mps, *repeat))
+            }
+            MotionConfig::Csv { file, position_m } => {
+                Self::Flight(Flight::read(file, (*position_m).into()).map_err(|reason| SimError::Flight {
+                    target: target.name.clone(),
+                    file: file.clone(),
+                    reason,
+                })?)
+            }
+        })
+    }
+
+    /// State `time_s` after the start of the motion.
+    pub fn at(&self, time_s: f64) -> Kinematics {
+        match self {
+            Self::Segments(segments) => segments.at(time_s),
+            Self::Course(course) => course.at(time_s),
+            Self::Flight(flight) => flight.at(time_s),
+        }
+    }
+}
+
+/// Hover or constant velocity, by the speed.
+fn unaccelerated_mode(velocity_mps: &Vector3<f64>) -> u32 {
+    if velocity_mps.norm() < 0.5 { HOVER } else { CONSTANT_VELOCITY }
+}

@@ -1,0 +1,123 @@
+//! The process `radar-sim`: paces the beam and publishes dwells and truth.
+
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use common::config::{ChainConfig, Speed};
+use common::ipc::{Publisher, Station};
+use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM};
+use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
+use common::services::{Dwells, MAX_TARGETS, Truth};
+use common::time::monotonic_ns;
+use common::truth::TruthHeader;
+
+use crate::DwellSimulator;
+
+/// Name of the process.
+pub const NAME: &str = "radar-sim";
+
+/// Runs the process until its scans are done or it is asked to stop.
+///
+/// # Errors
+/// Configuration, scenario or shared memory.
+pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
+    let chain = args.load()?;
+    let mut simulator = DwellSimulator::new(&chain).map_err(|error| common::process::BadInput(error.to_string()))?;
+    let station = Station::enter(NAME, &chain)?;
+    let dwells = station.publisher::<Dwells>(simulator.cells(), 1 + usize::from(chain.recorder.dwells))?;
+    let truth = station.publisher::<Truth>(MAX_TARGETS, 1)?;
+    let session = new_session();
+    let mut reporter = HealthReporter::new(&station, NAME, session)?;
+    reporter.health.tracks = chain.sim.targets.len() as u32;
+    reporter.publish()?;
+    dwells.wait_for_consumers()?;
+    truth.wait_for_consumers()?;
+
+    let (first_scan, scans) = (chain.run.first_scan, chain.run.scans);
+    let mut pace = Pace::new(&chain);
+    let mut targets = Vec::with_capacity(chain.sim.targets.len());
+    for scan in first_scan.. {
+        for dwell in 0..chain.radar.dwells_per_scan {
+            let mut header = simulator.header(scan, dwell);
+            header.session = session;
+            pace.wait_for_dwell();
+            let last_of_scan = header.flags & END_OF_SCAN != 0;
+            let done = last_of_scan && scans > 0 && scan + 1 >= scans;
+            if done || (header.flags & END_OF_SECTOR != 0 && stop_requested()) {
+                header.flags |= END_OF_STREAM;
+            }
+            if last_of_scan || header.flags & END_OF_STREAM != 0 {
+                simulator.truth(scan, &mut targets);
+                publish_truth(&truth, &header, &targets).context("publishing truth")?;
+            }
+            let published = dwells.publish_with(simulator.cells(), |amplitudes| {
+                simulator.fill(scan, dwell, amplitudes);
+                header.source_out_ns = monotonic_ns();
+                header
+            });
+            published.context("publishing a dwell")?;
+
+            let health = &mut reporter.health;
+            health.scan = scan;
+            health.messages_out += 1;
+            health.elements_out += simulator.cells() as u64;
+            health.ended = u32::from(header.flags & END_OF_STREAM != 0);
+            if health.ended == 1 || reporter.is_due() {
+                reporter.publish()?;
+            }
+            if header.flags & END_OF_STREAM != 0 {
+                return Ok(ExitCode::SUCCESS);
+            }
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Truth goes out before the last dwell of its scan, so that no score waits for it.
+fn publish_truth(
+    publisher: &Publisher<Truth>,
+    dwell: &common::dwell::DwellHeader,
+    targets: &[common::truth::TruthTarget],
+) -> Result<(), common::ipc::IpcError> {
+    let header = TruthHeader {
+        seq: u64::from(dwell.scan),
+        session: dwell.session,
+        time_ns: dwell.time_ns,
+        scan_period_s: dwell.scan_period_s,
+        scan: dwell.scan,
+        flags: END_OF_SCAN | dwell.flags & END_OF_STREAM,
+        ..TruthHeader::default()
+    };
+    publisher.publish(&header, targets, |header| header.source_out_ns = monotonic_ns())
+}
+
+/// Keeps the dwells apart as the turning antenna would.
+struct Pace {
+    between: Option<Duration>,
+    next: Instant,
+}
+
+impl Pace {
+    fn new(chain: &ChainConfig) -> Self {
+        let dwell_s = chain.radar.scan_period_s / f64::from(chain.radar.dwells_per_scan);
+        let between = match chain.run.speed {
+            Speed::Max => None,
+            Speed::Times(factor) => Some(Duration::from_secs_f64(dwell_s / factor)),
+        };
+        Self { between, next: Instant::now() }
+    }
+
+    /// Sleeps until the next dwell is due. A late dwell goes out at once; after a second
+    /// of delay the schedule starts anew instead of hurrying after it.
+    fn wait_for_dwell(&mut self) {
+        let Some(between) = self.between else { return };
+        self.next += between;
+        let now = Instant::now();
+        if let Some(early) = self.next.checked_duration_since(now) {
+            std::thread::sleep(early);
+        } else if now.duration_since(self.next) > Duration::from_secs(1) {
+            self.next = now;
+        }
+    }
+}
