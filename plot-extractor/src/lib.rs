@@ -1,1 +1,17 @@
-//! CFAR detection, clustering and centroiding: cells in, plots with decision statistics out.
+//! Cells in, plots out: CFAR, clustering over range, Doppler, elevation and successive
+//! dwells, interpolation of the position, decision statistics.
+//!
+//! ```text
+//! dwell ─▶ cfar (hits) ─▶ clustering (one cluster per target) ─▶ centroid ─▶ plots of a sector
+//! ```
+//!
+//! Formulas: (C3), (C4), (C6) of `docs/theory/amplitude.md`. The library knows no clock
+//! and no shared memory; [`process`] is the shell around it.
+
+pub mod centroid;
+pub mod cfar;
+pub mod clustering;
+pub mod extractor;
+pub mod process;
+
+pub use extractor::PlotExtractor;

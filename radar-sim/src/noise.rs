@@ -31,10 +31,11 @@ fn rayleigh(bytes: &[u8], amplitudes: &mut [f32]) {
 
 /// √(−ln u) for u = (⌊word/2⌋ + ½) 2⁻³¹: u never is 0 or, before rounding, 1, and the tail
 /// reaches to a² = 22.2 (probability 2·10⁻¹⁰), far beyond any threshold of use.
+#[expect(clippy::inline_always, reason = "must be compiled with the instructions of its caller")]
 #[inline(always)]
 fn amplitude(word: u32) -> f32 {
     // 31 bits: conversion from signed integers is one instruction on every machine.
-    let x = (word >> 1) as i32 as f32 + 0.5;
+    let x = (word >> 1).cast_signed() as f32 + 0.5;
     let power = 31.0 * std::f32::consts::LN_2 - natural_logarithm(x);
     power.max(0.0).sqrt()
 }
@@ -43,11 +44,12 @@ fn amplitude(word: u32) -> f32 {
 ///
 /// x = 2^e·(1+f) with 1+f in [√½, √2); ln(1+f) = 2 artanh(s) with s = f/(2+f), as a series in
 /// s² up to s⁹, whose remainder is below 2·10⁻⁹.
+#[expect(clippy::inline_always, reason = "must be compiled with the instructions of its caller")]
 #[inline(always)]
 fn natural_logarithm(x: f32) -> f32 {
     const SQRT_HALF: u32 = 0x3f35_04f3;
     let bits = x.to_bits().wrapping_sub(SQRT_HALF);
-    let exponent = (bits as i32) >> 23;
+    let exponent = bits.cast_signed() >> 23;
     let f = f32::from_bits((bits & 0x007f_ffff) + SQRT_HALF) - 1.0;
     let s = f / (2.0 + f);
     let s2 = s * s;

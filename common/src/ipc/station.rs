@@ -90,7 +90,7 @@ impl Station {
     /// # Errors
     /// [`IpcError`].
     pub fn subscriber<M: Message>(&self) -> Result<Subscriber<M>, IpcError> {
-        Subscriber::new(&self.data::<M>()?)
+        Subscriber::new(self.data::<M>()?)
     }
 
     /// What [`super::attend`] needs to be woken by messages of a topic.

@@ -2,6 +2,8 @@
 
 use std::cell::{Cell, RefCell};
 
+use iceoryx2::prelude::PortFactory;
+
 use super::IpcError;
 use super::intake::count_intake;
 use super::station::{DataService, Ipc};
@@ -10,6 +12,7 @@ use crate::services::Message;
 
 /// Receives messages of one topic and counts the missing ones.
 pub struct Subscriber<M: Message> {
+    service: DataService<M>,
     port: iceoryx2::port::subscriber::Subscriber<Ipc, [M::Element], M::Header>,
     intake: RefCell<Intake>,
     session: Cell<u64>,
@@ -35,9 +38,9 @@ impl<M: Message> Received<M> {
 }
 
 impl<M: Message> Subscriber<M> {
-    pub(super) fn new(service: &DataService<M>) -> Result<Self, IpcError> {
+    pub(super) fn new(service: DataService<M>) -> Result<Self, IpcError> {
         let port = service.subscriber_builder().create().map_err(|cause| Self::failed(&cause))?;
-        Ok(Self { port, intake: RefCell::default(), session: Cell::new(0) })
+        Ok(Self { service, port, intake: RefCell::default(), session: Cell::new(0) })
     }
 
     /// The next message, if one is waiting.
@@ -51,6 +54,11 @@ impl<M: Message> Subscriber<M> {
         let missing = count_intake(&mut self.intake.borrow_mut(), &mut last_session, session, seq);
         self.session.set(last_session);
         Ok(Some(Received { sample, missing }))
+    }
+
+    /// Publishers connected now.
+    pub fn publishers(&self) -> usize {
+        self.service.dynamic_config().number_of_publishers()
     }
 
     /// What has been received and missed so far.

@@ -1,0 +1,285 @@
+//! The stages in order: dwell by dwell from amplitudes to the plots of a sector.
+
+use common::angle;
+use common::config::{ExtractorConfig, RadarConfig};
+use common::dwell::DwellHeader;
+use common::health::Reject;
+use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM, Lineage, Stamps, TRUNCATED};
+use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot, PlotsHeader};
+use common::services::MAX_PLOTS;
+use common::units::{NS_PER_S, to_db};
+
+use crate::centroid::{curvature, interpolate};
+use crate::cfar::{CaCfar, Hit};
+use crate::clustering::{CellGrid, Cluster, Clustering};
+
+/// Turns dwells into plots. Allocates nothing per dwell once running.
+#[derive(Debug)]
+pub struct PlotExtractor {
+    config: ExtractorConfig,
+    radar: RadarConfig,
+    stages: Option<Stages>,
+    hits: Vec<Hit>,
+    closed: Vec<Cluster>,
+    plots: Vec<Plot>,
+    sector: Sector,
+}
+
+/// Everything that depends on the cells of the radar.
+#[derive(Debug)]
+struct Stages {
+    grid: CellGrid,
+    cfar: CaCfar,
+    clustering: Clustering,
+    powers: Vec<f32>,
+    powers_before: Vec<f32>,
+}
+
+/// What has come in of the sector that is being worked on.
+#[derive(Debug, Default)]
+struct Sector {
+    last: Option<DwellHeader>,
+    lineage: Lineage,
+    extractor_in_ns: u64,
+    cells: u64,
+    detections: u64,
+    rejected: u32,
+    covered_to_dwell: u64,
+}
+
+impl PlotExtractor {
+    /// An extractor for a radar with the responses of `radar`; cells come with the dwells.
+    pub fn new(config: &ExtractorConfig, radar: &RadarConfig) -> Self {
+        Self {
+            config: config.clone(),
+            radar: radar.clone(),
+            stages: None,
+            hits: Vec::new(),
+            closed: Vec::new(),
+            plots: Vec::with_capacity(MAX_PLOTS),
+            sector: Sector::default(),
+        }
+    }
+
+    /// Takes one dwell, received at `received_ns` (CLOCK_MONOTONIC). Calls `publish` with
+    /// the plots of each sector that is complete: at its last dwell, or, when that one is lost, at the next one to come.
+    ///
+    /// # Errors
+    /// Why the dwell was not used; processing goes on with the next.
+    pub fn take<E>(
+        &mut self,
+        header: &DwellHeader,
+        amplitudes: &[f32],
+        received_ns: u64,
+        mut publish: impl FnMut(&PlotsHeader, &[Plot]) -> Result<(), E>,
+    ) -> Result<Option<Reject>, E> {
+        let reject = check(header, amplitudes.len());
+        if reject == Some(Reject::BadHeader) {
+            self.sector.rejected += 1;
+            return Ok(reject); // not even its place in the stream can be trusted
+        }
+        if self.sector.last.is_some_and(|last| (last.scan, last.sector) != (header.scan, header.sector)) {
+            self.finish_sector(0, &mut publish)?;
+        }
+        if self.sector.last.is_some_and(|last| last.session != header.session) || self.sector.lineage.taken == 0 {
+            let first_seq = if self.sector.lineage.taken == 0 { header.seq } else { self.sector.lineage.first_seq };
+            let taken = self.sector.lineage.taken;
+            self.sector.lineage = Lineage { session: header.session, first_seq, last_seq: header.seq, taken };
+        }
+        self.sector.lineage.last_seq = header.seq;
+        self.sector.lineage.taken += 1;
+        self.sector.extractor_in_ns = received_ns;
+        self.sector.last = Some(*header);
+        let reject = reject.or_else(|| self.detect(header, amplitudes));
+        if reject.is_some() {
+            self.sector.rejected += 1;
+        }
+        if header.has(END_OF_SECTOR) || header.has(END_OF_STREAM) {
+            self.finish_sector(header.flags & (END_OF_SCAN | END_OF_STREAM), &mut publish)?;
+        }
+        Ok(reject)
+    }
+
+    /// CFAR and clustering of one dwell.
+    fn detect(&mut self, header: &DwellHeader, amplitudes: &[f32]) -> Option<Reject> {
+        let grid = CellGrid {
+            elevations: header.elevations as usize,
+            dopplers: header.dopplers as usize,
+            ranges: header.ranges as usize,
+        };
+        if self.stages.as_ref().is_none_or(|stages| stages.grid != grid) {
+            let (guard, reference) = (self.config.guard_cells as usize, self.config.reference_cells as usize);
+            self.stages = Some(Stages {
+                grid,
+                cfar: CaCfar::new(grid.ranges, guard, reference, self.config.pfa),
+                clustering: Clustering::new(grid, self.config.max_dwells),
+                powers: vec![0.0; grid.cells()],
+                powers_before: vec![0.0; grid.cells()],
+            });
+        }
+        let stages = self.stages.as_mut()?;
+        std::mem::swap(&mut stages.powers, &mut stages.powers_before);
+        self.hits.clear();
+        if !stages.cfar.detect(amplitudes, &mut stages.powers, &mut self.hits) {
+            return Some(Reject::BadAmplitude);
+        }
+        stages.clustering.add(header.seq, &self.hits, &stages.powers, &stages.powers_before, &mut self.closed);
+        self.sector.cells += amplitudes.len() as u64;
+        self.sector.detections += self.hits.len() as u64;
+        None
+    }
+
+    /// Publishes what the sector has brought.
+    fn finish_sector<E>(
+        &mut self,
+        flags: u32,
+        publish: &mut impl FnMut(&PlotsHeader, &[Plot]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let Some(last) = self.sector.last.take() else { return Ok(()) };
+        let mut covered_to_dwell = last.seq + 1;
+        if let Some(stages) = &mut self.stages {
+            if flags & END_OF_STREAM != 0 {
+                stages.clustering.close_all(&mut self.closed);
+            }
+            covered_to_dwell =
+                stages.clustering.oldest_open().map_or(covered_to_dwell, |dwell| dwell.min(covered_to_dwell));
+        }
+        self.plots.clear();
+        for cluster in &self.closed {
+            self.plots.push(plot_of(cluster, &last, &self.radar));
+        }
+        self.closed.clear();
+        let mut flags = flags;
+        let left_out = self.plots.len().saturating_sub(MAX_PLOTS) as u32;
+        if left_out > 0 {
+            flags |= TRUNCATED;
+            self.plots.sort_by(|a, b| b.statistic.total_cmp(&a.statistic));
+            self.plots.truncate(MAX_PLOTS);
+        }
+        self.plots.sort_by(|a, b| (a.time_ns, a.range_m).partial_cmp(&(b.time_ns, b.range_m)).expect("finite"));
+
+        let scan_start = i128::from(last.scan) * i128::from(last.dwells_per_scan);
+        let azimuth = |dwell: u64| (i128::from(dwell) - scan_start) as f64 * last.azimuth_step_rad;
+        let covered_from_dwell = self.sector.covered_to_dwell.min(covered_to_dwell);
+        let from_another_turn = covered_to_dwell - covered_from_dwell > u64::from(last.dwells_per_scan);
+        let first = if from_another_turn { self.sector.lineage.first_seq } else { covered_from_dwell };
+        let header = PlotsHeader {
+            seq: u64::from(last.scan) * u64::from(last.sectors_per_scan) + u64::from(last.sector),
+            time_ns: last.time_ns,
+            lineage: self.sector.lineage,
+            stamps: Stamps {
+                source_out_ns: last.source_out_ns,
+                extractor_in_ns: self.sector.extractor_in_ns,
+                ..Stamps::default()
+            },
+            covered_from_rad: azimuth(first.min(covered_to_dwell)),
+            covered_to_rad: azimuth(covered_to_dwell),
+            scan_period_s: last.scan_period_s,
+            pfa: self.config.pfa,
+            cells: self.sector.cells,
+            detections: self.sector.detections,
+            cell_range_m: last.range_step_m,
+            cell_azimuth_rad: last.azimuth_step_rad,
+            cell_elevation_rad: if last.elevations > 1 { last.elevation_step_rad } else { 0.0 },
+            cell_range_rate_mps: if last.dopplers > 1 { last.range_rate_step_mps } else { 0.0 },
+            reference_cells: 2 * self.config.reference_cells,
+            scan: last.scan,
+            sector: last.sector,
+            sectors_per_scan: last.sectors_per_scan,
+            flags,
+            rejected: self.sector.rejected,
+            left_out,
+            source_id: last.source_id,
+            ..PlotsHeader::default()
+        };
+        self.sector = Sector { covered_to_dwell, ..Sector::default() };
+        publish(&header, &self.plots)
+    }
+}
+
+/// Why a dwell cannot be used, from its header and length.
+fn check(header: &DwellHeader, length: usize) -> Option<Reject> {
+    let numbers = [header.azimuth_rad, header.elevation_first_rad, header.range_rate_first_mps, header.range_first_m];
+    let steps = [
+        header.azimuth_step_rad,
+        header.elevation_step_rad,
+        header.range_rate_step_mps,
+        header.range_step_m,
+        header.scan_period_s,
+    ];
+    let counts = [header.elevations, header.dopplers, header.ranges, header.dwells_per_scan, header.sectors_per_scan];
+    let valid = numbers.iter().all(|number| number.is_finite())
+        && steps.iter().all(|step| step.is_finite() && *step > 0.0)
+        && counts.iter().all(|&count| count > 0)
+        && header.dwell < header.dwells_per_scan
+        && header.sector < header.sectors_per_scan
+        && header.seq == u64::from(header.scan) * u64::from(header.dwells_per_scan) + u64::from(header.dwell);
+    if !valid {
+        Some(Reject::BadHeader)
+    } else if header.cells() == length {
+        None
+    } else {
+        Some(Reject::LengthMismatch)
+    }
+}
+
+/// The plot of a cluster (C6). `near` is a dwell not far from it: cells and timing are the same.
+fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig) -> Plot {
+    let grid = CellGrid {
+        elevations: near.elevations as usize,
+        dopplers: near.dopplers as usize,
+        ranges: near.ranges as usize,
+    };
+    let (elevation, doppler, range) = grid.place(cluster.peak.cell);
+    let azimuth_width = radar.beamwidth_azimuth_deg.to_radians();
+    let elevation_width = radar.beamwidth_elevation_deg.to_radians();
+    let curvatures = [
+        curvature(near.range_step_m, radar.pulse_width_m),
+        curvature(near.azimuth_step_rad, azimuth_width),
+        curvature(near.elevation_step_rad, elevation_width),
+        curvature(near.range_rate_step_mps, radar.doppler_width_mps),
+    ];
+    let cuts = [cluster.range, cluster.azimuth, cluster.elevation, cluster.doppler];
+    let [range_offset, azimuth_offset, elevation_offset, doppler_offset] =
+        std::array::from_fn(|axis| interpolate(cuts[axis], curvatures[axis]));
+
+    let dwells_ago = (near.seq - cluster.peak_dwell) as f64 - azimuth_offset.cells;
+    let dwell_ns = near.scan_period_s / f64::from(near.dwells_per_scan) * NS_PER_S;
+    let doppler_span = near.range_rate_step_mps * f64::from(near.dopplers);
+    let range_rate = near.range_rate_first_mps + near.range_rate_step_mps * (doppler as f64 + doppler_offset.cells);
+    let lowest_rate = near.range_rate_first_mps - near.range_rate_step_mps / 2.0;
+    let has_elevation = near.elevations > 1;
+    let has_range_rate = near.dopplers > 1;
+
+    let ratio = f64::from(cluster.peak.power) / f64::from(cluster.peak.noise);
+    let offsets = [range_offset, azimuth_offset, elevation_offset, doppler_offset];
+    let straddling: f64 = offsets.iter().zip(curvatures).map(|(offset, kappa)| kappa * offset.cells.powi(2)).sum();
+    let snr = (ratio - 1.0).max(0.1) * straddling.exp();
+    Plot {
+        time_ns: near.time_ns - (dwells_ago * dwell_ns).round() as i64 as u64,
+        range_m: near.range_first_m + near.range_step_m * (range as f64 + range_offset.cells),
+        azimuth_rad: angle::wrap(near.azimuth_rad - dwells_ago * near.azimuth_step_rad),
+        elevation_rad: if has_elevation {
+            near.elevation_first_rad + near.elevation_step_rad * (elevation as f64 + elevation_offset.cells)
+        } else {
+            0.0
+        },
+        range_rate_mps: if has_range_rate {
+            lowest_rate + (range_rate - lowest_rate).rem_euclid(doppler_span)
+        } else {
+            0.0
+        },
+        sigma_range_m: (range_offset.sigma * near.range_step_m) as f32,
+        sigma_azimuth_rad: (azimuth_offset.sigma * near.azimuth_step_rad) as f32,
+        sigma_elevation_rad: (elevation_offset.sigma * near.elevation_step_rad) as f32,
+        sigma_range_rate_mps: (doppler_offset.sigma * near.range_rate_step_mps) as f32,
+        statistic: ratio.sqrt() as f32,
+        snr_db: to_db(snr) as f32,
+        cell_count: cluster.hits,
+        flags: HAS_STATISTIC
+            | if has_elevation { HAS_ELEVATION } else { 0 }
+            | if has_range_rate { HAS_RANGE_RATE } else { 0 },
+        source_id: near.source_id,
+        target_id: 0,
+    }
+}

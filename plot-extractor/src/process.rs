@@ -1,0 +1,72 @@
+//! The process `plot-extractor`: takes dwells, publishes the plots of each sector.
+
+use std::process::ExitCode;
+
+use anyhow::Context;
+use common::health::Rejected;
+use common::ipc::{Flow, Station, attend};
+use common::message::END_OF_STREAM;
+use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
+use common::services::{Dwells, MAX_PLOTS, Plots, Topic};
+use common::time::monotonic_ns;
+
+use crate::PlotExtractor;
+
+/// Name of the process.
+pub const NAME: &str = "plot-extractor";
+
+/// Runs the process until the stream ends or it is asked to stop.
+///
+/// # Errors
+/// Configuration or shared memory.
+pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
+    let chain = args.load()?;
+    let mut extractor = PlotExtractor::new(&chain.extractor, &chain.radar);
+    let station = Station::enter(NAME, &chain)?;
+    let publisher = station.publisher::<Plots>(MAX_PLOTS, 2)?;
+    let wake = station.wake(Topic::Dwells)?;
+    let dwells = station.subscriber::<Dwells>()?;
+    let session = new_session();
+    let mut reporter = HealthReporter::new(&station, NAME, session)?;
+    let mut rejected = Rejected::default();
+    let mut plots_of_scan = 0;
+
+    attend(&[&wake], || -> anyhow::Result<Flow> {
+        while let Some(dwell) = dwells.receive()? {
+            let received_ns = monotonic_ns();
+            let header = dwell.header();
+            let reject = extractor.take(header, dwell.elements(), received_ns, |header, plots| {
+                let health = &mut reporter.health;
+                health.messages_out += 1;
+                health.elements_out += plots.len() as u64;
+                plots_of_scan += plots.len() as u32;
+                health.ended = u32::from(header.has(END_OF_STREAM));
+                publisher.publish(header, plots, |header| {
+                    header.session = session;
+                    header.stamps.plots_out_ns = monotonic_ns();
+                })
+            });
+            if let Some(reason) = reject.context("publishing plots")? {
+                rejected.count(reason);
+            }
+            let health = &mut reporter.health;
+            if header.scan != health.scan {
+                health.scan = header.scan;
+                health.plots = std::mem::take(&mut plots_of_scan);
+            }
+            if reporter.health.ended == 1 {
+                break;
+            }
+        }
+        let ended = reporter.health.ended == 1;
+        if ended || reporter.is_due() {
+            reporter.health.intake[Topic::Dwells as usize] = dwells.intake();
+            reporter.health.rejected = rejected.0;
+            reporter.publish()?;
+        }
+        // Asked to stop, it still works off what the source sends until its last dwell.
+        let abandoned = stop_requested() && dwells.publishers() == 0;
+        Ok(if ended || abandoned { Flow::End } else { Flow::Wait })
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
