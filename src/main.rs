@@ -1,2 +1,160 @@
-//! Launcher.
-fn main() {}
+//! `radar-chain`: launches, supervises and shows a radar processing chain.
+
+mod board;
+mod run;
+mod screen;
+mod stage;
+mod status;
+mod supervisor;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context;
+use clap::{Args, Parser, Subcommand};
+use common::config::{self, ChainConfig, Speed};
+use common::process::StageArgs;
+
+use crate::stage::StageName;
+
+/// Configuration of the default run, in the folder the command is given in.
+const DEFAULT_CONFIG: &str = "config/uav.toml";
+
+/// Radar processing chain: cells in, confirmed tracks out, as separate processes over shared memory
+///
+/// Examples:
+///   radar-chain                                          the drone scenario, one minute
+///   radar-chain run --scans 500 --speed max              as fast as the chain goes
+///   radar-chain run --set extractor.pfa=1e-4 --seed 7
+///   radar-chain run --config config/smr.toml --set plot_source.file=radar.ast
+///   radar-chain status                                   look at a running chain
+///   radar-chain config                                   every key with its value
+#[derive(Parser)]
+#[command(name = "radar-chain", version, verbatim_doc_comment)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Launch the processes and supervise them until the source ends or Ctrl-C
+    Run(RunArgs),
+    /// Show the processes of a running chain
+    Status(StatusArgs),
+    /// Print the effective configuration
+    Config(ChainArgs),
+    /// Run one process of the chain
+    #[command(hide = true)]
+    Stage {
+        /// Which
+        name: StageName,
+        #[command(flatten)]
+        args: StageArgs,
+    },
+}
+
+/// Which chain.
+#[derive(Args, Default)]
+struct ChainArgs {
+    /// Configuration of the chain [default: config/uav.toml]
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Override one key, for example --set extractor.pfa=1e-4
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Name of the radar
+    #[arg(long, value_name = "NAME")]
+    site: Option<String>,
+    /// Keep this chain's shared memory apart from others'
+    #[arg(long, value_name = "PREFIX")]
+    ipc_prefix: Option<String>,
+}
+
+/// Options of `run`.
+#[derive(Args, Default)]
+struct RunArgs {
+    #[command(flatten)]
+    chain: ChainArgs,
+    /// Scans to run; 0 until stopped or to the end of the recording
+    #[arg(long, value_name = "N")]
+    scans: Option<u32>,
+    /// Times real time, or max
+    #[arg(long, value_name = "X|max")]
+    speed: Option<Speed>,
+    /// Seed of every random draw
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Folder of the recordings
+    #[arg(long, value_name = "DIR", conflicts_with = "no_record")]
+    record: Option<PathBuf>,
+    /// Make no recording
+    #[arg(long)]
+    no_record: bool,
+    /// Where the report is written
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+}
+
+/// Options of `status`.
+#[derive(Args)]
+struct StatusArgs {
+    #[command(flatten)]
+    chain: ChainArgs,
+    /// As JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl ChainArgs {
+    /// The effective configuration, `more` overrides applied last.
+    fn load(&self, more: Vec<String>) -> anyhow::Result<ChainConfig> {
+        let mut overrides = self.overrides.clone();
+        overrides.extend(self.site.iter().map(|site| format!("site.name={site}")));
+        overrides.extend(self.ipc_prefix.iter().map(|prefix| format!("ipc.prefix={prefix}")));
+        overrides.extend(more);
+        let path = self.config.clone().unwrap_or_else(|| PathBuf::from(DEFAULT_CONFIG));
+        let loaded = config::load(Some(&path), &overrides);
+        if self.config.is_none() && !path.exists() {
+            return loaded.context("run this in the project's folder, or name a file with --config");
+        }
+        Ok(loaded?)
+    }
+}
+
+impl RunArgs {
+    fn load(&self) -> anyhow::Result<ChainConfig> {
+        let text = |path: &PathBuf| toml_text(&path.display().to_string());
+        let mut overrides = Vec::new();
+        overrides.extend(self.scans.map(|scans| format!("run.scans={scans}")));
+        overrides.extend(self.speed.map(|speed| match speed {
+            Speed::Max => "run.speed=\"max\"".to_string(),
+            Speed::Times(factor) => format!("run.speed={factor:?}"),
+        }));
+        overrides.extend(self.seed.map(|seed| format!("run.seed={seed}")));
+        overrides.extend(self.record.as_ref().map(|folder| format!("recorder.directory={}", text(folder))));
+        overrides.extend(self.no_record.then(|| "recorder.record=false".to_string()));
+        overrides.extend(self.report.as_ref().map(|file| format!("recorder.report={}", text(file))));
+        self.chain.load(overrides)
+    }
+}
+
+/// A TOML literal string.
+fn toml_text(text: &str) -> String {
+    format!("'''{text}'''")
+}
+
+fn main() -> ExitCode {
+    let command = Arguments::parse().command.unwrap_or(Command::Run(RunArgs::default()));
+    match command {
+        Command::Run(args) => common::process::supervise("radar-chain", || run::run(args.load()?)),
+        Command::Status(args) => {
+            common::process::run("radar-chain", || status::status(&args.chain.load(Vec::new())?, args.json))
+        }
+        Command::Config(args) => common::process::run("radar-chain", || {
+            print!("{}", args.load(Vec::new())?.to_toml());
+            Ok(ExitCode::SUCCESS)
+        }),
+        Command::Stage { name, args } => common::process::run(name.name(), || name.run(&args)),
+    }
+}

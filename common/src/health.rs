@@ -71,6 +71,13 @@ impl Rejected {
         self.0[reason as usize] += 1;
     }
 
+    /// Adds the counts of `other`.
+    pub fn add(&mut self, other: &Self) {
+        for (count, more) in self.0.iter_mut().zip(other.0) {
+            *count += more;
+        }
+    }
+
     /// How many have been rejected for one reason.
     pub fn of(&self, reason: Reject) -> u64 {
         self.0[reason as usize]

@@ -51,10 +51,20 @@ impl StageArgs {
 #[error("{0}")]
 pub struct BadInput(pub String);
 
-/// Runs the body of a process: logging, signals, and one line for an error.
+/// Runs the body of a process: logging, signals (the second ends it at once), and one line for an error.
 pub fn run(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
+    catch_signals(true);
+    conclude(name, body)
+}
+
+/// As [`run`], for a process that ends others: it must live on at the second signal and looks at [`signals`].
+pub fn supervise(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
+    catch_signals(false);
+    conclude(name, body)
+}
+
+fn conclude(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
     start_logging();
-    catch_signals();
     match body() {
         Ok(code) => code,
         Err(error) if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(IpcError::Stopped { .. }))) => {
@@ -78,12 +88,11 @@ fn start_logging() {
 }
 
 static SIGNALS: AtomicU32 = AtomicU32::new(0);
-static ABANDON: AtomicU32 = AtomicU32::new(0);
 
-/// The first SIGINT or SIGTERM asks to stop, the second ends the process at once.
-fn catch_signals() {
-    let installed = ctrlc::set_handler(|| {
-        if SIGNALS.fetch_add(1, Ordering::SeqCst) > 0 {
+/// Counts SIGINT and SIGTERM; the first asks to stop.
+fn catch_signals(second_ends: bool) {
+    let installed = ctrlc::set_handler(move || {
+        if SIGNALS.fetch_add(1, Ordering::SeqCst) > 0 && second_ends {
             std::process::exit(130);
         }
     });
@@ -97,19 +106,9 @@ pub fn stop_requested() -> bool {
     SIGNALS.load(Ordering::Relaxed) > 0
 }
 
-/// Asks this process to stop, as a signal would.
-pub fn request_stop() {
-    SIGNALS.fetch_add(1, Ordering::SeqCst);
-}
-
-/// Whether waiting for consumers has become pointless: see [`abandon`].
-pub fn must_abandon() -> bool {
-    ABANDON.load(Ordering::Relaxed) > 0
-}
-
-/// Gives up messages that still wait for room.
-pub fn abandon() {
-    ABANDON.fetch_add(1, Ordering::SeqCst);
+/// How often the user has asked to stop.
+pub fn signals() -> u32 {
+    SIGNALS.load(Ordering::Relaxed)
 }
 
 /// A number that no earlier start of a process has had: ns since 1970.

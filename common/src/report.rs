@@ -1,1 +1,384 @@
-//! placeholder
+//! `report.json`, schema 1: the contract with scripts, and its form for people.
+//!
+//! A value that a run has no means to measure (no truth, no cells) is `null`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use serde::{Deserialize, Serialize};
+
+use crate::config::ChainConfig;
+
+/// Version of the layout; keys are only added within a version.
+pub const SCHEMA: u32 = 1;
+
+/// What a run did.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Version of the program.
+    pub version: String,
+    /// Commit of the program; `unknown` outside a repository.
+    pub git: String,
+    /// The effective configuration.
+    pub config: Option<ChainConfig>,
+    /// Seed of every random draw.
+    pub seed: u64,
+    /// Scans that went through the whole chain.
+    pub scans: u64,
+    /// Wall-clock time from the first to the last message, s.
+    pub wall_s: f64,
+    /// Measurement time over wall-clock time.
+    pub realtime_factor: f64,
+    /// Whether results can be compared byte by byte with another run: lossless, nothing lost.
+    pub comparable: bool,
+    /// Messages lost, by topic and consumer.
+    pub loss: BTreeMap<String, BTreeMap<String, u64>>,
+    /// Messages, by topic.
+    pub messages: BTreeMap<String, u64>,
+    /// Percentiles of latencies, µs.
+    pub latency_us: BTreeMap<String, Percentiles>,
+    /// Latency limits.
+    pub budget: BTreeMap<String, BudgetResult>,
+    /// Plots against truth.
+    pub detection: Detection,
+    /// Tracks against truth.
+    pub tracking: Tracking,
+    /// Resources, by process.
+    pub processes: BTreeMap<String, ProcessUse>,
+    /// The recording, if one was made.
+    pub recording: Option<String>,
+}
+
+/// Percentiles of one latency, µs.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Percentiles {
+    /// Number of values.
+    pub n: u64,
+    /// Median.
+    pub p50: f64,
+    /// 90th percentile.
+    pub p90: f64,
+    /// 99th percentile.
+    pub p99: f64,
+    /// 99.9th percentile.
+    pub p999: f64,
+    /// Largest value.
+    pub max: f64,
+}
+
+/// One latency against its limit.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct BudgetResult {
+    /// Limit, µs.
+    pub limit_us: f64,
+    /// Percentile that must not lie above it.
+    pub percentile: f64,
+    /// Scans with a value above the limit.
+    pub misses: u64,
+    /// Whether the percentile lies within the limit; `true` without values.
+    pub ok: bool,
+}
+
+/// Plots against truth.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Detection {
+    /// Cells tested outside clutter and away from targets.
+    pub cells: u64,
+    /// Cells of those over threshold.
+    pub false_alarm_cells: u64,
+    /// Set probability of false alarm.
+    pub pfa_set: Option<f64>,
+    /// `false_alarm_cells / cells`.
+    pub pfa_measured: Option<f64>,
+    /// 95 % interval of `pfa_measured`, that of the Poisson distribution.
+    pub pfa_interval: Option<[f64; 2]>,
+    /// Mean probability of detection of the visible targets, from their signal-to-noise ratios.
+    pub pd_expected: Option<f64>,
+    /// Share of visible targets with a plot.
+    pub pd_measured: Option<f64>,
+    /// Plots.
+    pub plots: u64,
+    /// Plots near no target (clutter included).
+    pub false_plots: Option<u64>,
+    /// Mean squared error over variance of plots of targets, by axis; 1 is right.
+    pub normalised_error_squared: BTreeMap<String, f64>,
+}
+
+/// Tracks against truth.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tracking {
+    /// Targets that were visible long enough to be confirmed.
+    pub targets: Option<u64>,
+    /// Those that were confirmed.
+    pub confirmed: Option<u64>,
+    /// Confirmed tracks that were never near a target.
+    pub false_tracks: Option<u64>,
+    /// How often a visible target's track was lost.
+    pub lost: Option<u64>,
+    /// Root mean square error of position of confirmed tracks, m.
+    pub position_rmse_m: Option<f64>,
+    /// Root mean square error of velocity of confirmed tracks, m/s.
+    pub velocity_rmse_mps: Option<f64>,
+    /// Normalised estimation error squared of position and velocity, over its 6 dimensions; 1 is right.
+    pub nees: Option<f64>,
+    /// The same of position, over its 3 dimensions.
+    pub nees_position: Option<f64>,
+    /// Mean GOSPA distance per scan, m.
+    pub gospa_m: Option<f64>,
+    /// Cut-off distance c and order p of GOSPA.
+    pub gospa_parameters: Option<[f64; 2]>,
+    /// Mean probability that the tracks give to the true mode of motion, by mode.
+    pub mode_probability: BTreeMap<String, f64>,
+    /// Scans from the first sight of each target to its confirmation, by target.
+    pub confirmation_scans: BTreeMap<String, u64>,
+    /// Share of truth with a confirmed track within the gate (cooperative truth: moving ones near the radar).
+    pub truth_share: Option<f64>,
+    /// The same of aircraft on the ground.
+    pub truth_share_ground: Option<f64>,
+    /// Truth reports that counted.
+    pub truth_points: Option<u64>,
+    /// Median distance of track and truth, m.
+    pub distance_p50_m: Option<f64>,
+    /// 95th percentile of the distance of track and truth, m.
+    pub distance_p95_m: Option<f64>,
+    /// Changes of track number along a target.
+    pub id_changes: Option<u64>,
+    /// Confirmed tracks that were never near a target, per hour of truth.
+    pub false_tracks_per_hour: Option<f64>,
+    /// Hours of truth.
+    pub truth_hours: Option<f64>,
+}
+
+/// Resources of one process.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ProcessUse {
+    /// Process identifier, of the last start.
+    pub pid: u32,
+    /// Processor time, s, of all starts.
+    pub cpu_s: f64,
+    /// Resident memory at the first report, MiB.
+    pub rss_mib_start: f64,
+    /// Resident memory at the last report, MiB.
+    pub rss_mib_end: f64,
+    /// Largest resident memory, MiB.
+    pub rss_mib_max: f64,
+    /// Starts after the first.
+    pub restarts: u64,
+    /// Input that was not used, by reason.
+    pub rejected: BTreeMap<String, u64>,
+}
+
+impl Report {
+    /// The report as `report.json`.
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).expect("a report has only text keys");
+        text.push('\n');
+        text
+    }
+
+    /// Messages lost in all.
+    pub fn lost(&self) -> u64 {
+        self.loss.values().flat_map(BTreeMap::values).sum()
+    }
+
+    /// Whether every budget is kept.
+    pub fn within_budgets(&self) -> bool {
+        self.budget.values().all(|budget| budget.ok)
+    }
+
+    /// The report for a terminal.
+    pub fn to_text(&self) -> String {
+        let mut text = String::new();
+        // Writing into a String cannot fail.
+        let _ = self.write_text(&mut text);
+        text
+    }
+
+    /// The scores alone, for a terminal.
+    pub fn scores_to_text(&self) -> String {
+        let mut text = String::new();
+        let _ = self.detection.write_text(&mut text).and_then(|()| self.tracking.write_text(&mut text));
+        text
+    }
+
+    fn write_text(&self, out: &mut String) -> std::fmt::Result {
+        let comparable = if self.comparable { "" } else { "  (not comparable)" };
+        writeln!(
+            out,
+            "{} scans in {:.1} s: {:.2} × real time, {} messages lost{comparable}",
+            self.scans,
+            self.wall_s,
+            self.realtime_factor,
+            self.lost()
+        )?;
+        for (topic, consumers) in &self.loss {
+            for (consumer, lost) in consumers.iter().filter(|&(_, &lost)| lost > 0) {
+                writeln!(out, "  lost: {lost} {topic} by {consumer}")?;
+            }
+        }
+        self.write_latencies(out)?;
+        self.detection.write_text(out)?;
+        self.tracking.write_text(out)?;
+        self.write_processes(out)?;
+        if let Some(recording) = &self.recording {
+            writeln!(out, "\nrecording {recording}")?;
+        }
+        Ok(())
+    }
+
+    fn write_latencies(&self, out: &mut String) -> std::fmt::Result {
+        if self.latency_us.values().all(|latency| latency.n == 0) {
+            return Ok(());
+        }
+        let [n, max] = ["n", "max"];
+        writeln!(
+            out,
+            "\n{:<12}{n:>9}{:>10}{:>10}{:>10}{:>10}{max:>10}   budget",
+            "latency µs", "p50", "p90", "p99", "p99.9"
+        )?;
+        for (name, latency) in self.latency_us.iter().filter(|(_, latency)| latency.n > 0) {
+            let Percentiles { n, p50, p90, p99, p999, max } = latency;
+            write!(out, "{name:<12}{n:>9}{p50:>10.0}{p90:>10.0}{p99:>10.0}{p999:>10.0}{max:>10.0}")?;
+            match self.budget.get(name) {
+                Some(budget) if budget.ok => writeln!(out, "   p{} ≤ {:.0}", budget.percentile, budget.limit_us)?,
+                Some(budget) => writeln!(out, "   p{} > {:.0} BROKEN", budget.percentile, budget.limit_us)?,
+                None => writeln!(out)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn write_processes(&self, out: &mut String) -> std::fmt::Result {
+        if self.processes.is_empty() {
+            return Ok(());
+        }
+        writeln!(out, "\n{:<16}{:>9}{:>12}{:>10}   rejected input", "process", "CPU s", "memory MiB", "restarts")?;
+        for (name, used) in &self.processes {
+            write!(out, "{name:<16}{:>9.2}{:>12.1}{:>10}", used.cpu_s, used.rss_mib_max, used.restarts)?;
+            for (place, (reason, count)) in used.rejected.iter().enumerate() {
+                write!(out, "{}{count} {reason}", if place == 0 { "   " } else { ", " })?;
+            }
+            writeln!(out)?;
+        }
+        Ok(())
+    }
+}
+
+impl Detection {
+    fn write_text(&self, out: &mut String) -> std::fmt::Result {
+        writeln!(out, "\ndetection")?;
+        let mut lines = Lines(out);
+        lines.whole("plots", Some(self.plots))?;
+        lines.whole("false plots", self.false_plots)?;
+        lines.share("detected", self.pd_measured)?;
+        lines.share("detected, expected", self.pd_expected)?;
+        if let (Some(measured), Some([low, high])) = (self.pfa_measured, self.pfa_interval) {
+            let set = self.pfa_set.unwrap_or_default();
+            let interval = format!("{measured:.3e} [{low:.2e}, {high:.2e}], set {set:.0e}");
+            lines.text("false alarms per cell", &interval)?;
+        }
+        for (axis, value) in &self.normalised_error_squared {
+            lines.text(&format!("normalised error² {axis}"), &format!("{value:.3}"))?;
+        }
+        Ok(())
+    }
+}
+
+impl Tracking {
+    fn write_text(&self, out: &mut String) -> std::fmt::Result {
+        writeln!(out, "\ntracking")?;
+        let mut lines = Lines(out);
+        if let (Some(targets), Some(confirmed)) = (self.targets, self.confirmed) {
+            lines.text("targets confirmed", &format!("{confirmed} of {targets}"))?;
+        }
+        if let Some(slowest) = self.confirmation_scans.values().max() {
+            lines.text("slowest confirmation", &format!("{slowest} scans"))?;
+        }
+        lines.whole("tracks lost", self.lost)?;
+        lines.whole("false tracks", self.false_tracks)?;
+        lines.number("false tracks per hour", self.false_tracks_per_hour, "")?;
+        lines.number("position error (rms)", self.position_rmse_m, "m")?;
+        lines.number("velocity error (rms)", self.velocity_rmse_mps, "m/s")?;
+        lines.number("NEES (position, velocity)", self.nees, "")?;
+        lines.number("NEES (position)", self.nees_position, "")?;
+        lines.number("GOSPA", self.gospa_m, "m")?;
+        for (mode, probability) in &self.mode_probability {
+            lines.share(&format!("true mode: {mode}"), Some(*probability))?;
+        }
+        lines.share("truth followed", self.truth_share)?;
+        lines.share("aircraft on the ground", self.truth_share_ground)?;
+        lines.number("distance, median", self.distance_p50_m, "m")?;
+        lines.number("distance, 95 %", self.distance_p95_m, "m")?;
+        lines.whole("changes of track number", self.id_changes)
+    }
+}
+
+/// Writes indented lines of name and value; absent values have no line.
+struct Lines<'a>(&'a mut String);
+
+impl Lines<'_> {
+    fn text(&mut self, name: &str, value: &str) -> std::fmt::Result {
+        writeln!(self.0, "  {name:<28}{value}")
+    }
+
+    fn whole(&mut self, name: &str, value: Option<u64>) -> std::fmt::Result {
+        value.map_or(Ok(()), |value| self.text(name, &value.to_string()))
+    }
+
+    fn number(&mut self, name: &str, value: Option<f64>, unit: &str) -> std::fmt::Result {
+        value.map_or(Ok(()), |value| self.text(name, format!("{value:.2} {unit}").trim_end()))
+    }
+
+    fn share(&mut self, name: &str, value: Option<f64>) -> std::fmt::Result {
+        value.map_or(Ok(()), |value| self.text(name, &format!("{:.2} %", value * 100.0)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_published_keys_are_there() {
+        let json: serde_json::Value = serde_json::from_str(&Report::default().to_json()).expect("JSON");
+        let keys = |value: &serde_json::Value, wanted: &str| {
+            for key in wanted.split(' ') {
+                assert!(value.get(key).is_some(), "{key} is missing in {value}");
+            }
+        };
+        keys(
+            &json,
+            "schema version git config seed scans wall_s realtime_factor loss latency_us budget detection tracking processes",
+        );
+        keys(
+            &json["detection"],
+            "cells false_alarm_cells pfa_set pfa_measured pd_expected pd_measured plots false_plots",
+        );
+        keys(
+            &json["tracking"],
+            "targets confirmed false_tracks lost position_rmse_m velocity_rmse_mps nees gospa_m mode_probability \
+             truth_share distance_p50_m distance_p95_m id_changes",
+        );
+        keys(&serde_json::to_value(Percentiles::default()).expect("JSON"), "n p50 p90 p99 p999 max");
+        keys(&serde_json::to_value(BudgetResult::default()).expect("JSON"), "limit_us percentile misses ok");
+        keys(
+            &serde_json::to_value(ProcessUse::default()).expect("JSON"),
+            "pid cpu_s rss_mib_start rss_mib_end rss_mib_max restarts rejected",
+        );
+    }
+
+    #[test]
+    fn a_report_reads_back_and_has_a_text() {
+        let mut report = Report { scans: 60, config: Some(ChainConfig::default()), ..Report::default() };
+        report.latency_us.insert("end_to_end".into(), Percentiles { n: 5, p50: 300.0, ..Percentiles::default() });
+        report
+            .budget
+            .insert("end_to_end".into(), BudgetResult { limit_us: 5000.0, percentile: 99.0, misses: 0, ok: true });
+        report.tracking.truth_share = Some(0.737);
+        assert_eq!(serde_json::from_str::<Report>(&report.to_json()).expect("JSON"), report);
+        let text = report.to_text();
+        assert!(text.contains("60 scans") && text.contains("p99 ≤ 5000") && text.contains("73.70 %"), "{text}");
+    }
+}

@@ -20,3 +20,9 @@ pub fn resident_bytes() -> u64 {
         std::fs::read_to_string("/proc/self/statm").ok().and_then(|statm| statm.split(' ').nth(1)?.parse::<u64>().ok());
     pages.unwrap_or(0) * rustix::param::page_size() as u64
 }
+
+/// `seconds` since 1970 as UTC in the form 20261122-231500, for names of files.
+pub fn utc_compact(seconds: u64) -> String {
+    let time = jiff::Timestamp::from_second(seconds.cast_signed()).unwrap_or(jiff::Timestamp::MAX);
+    time.strftime("%Y%m%d-%H%M%S").to_string()
+}

@@ -2,6 +2,8 @@
 
 /// Steps of I010/140 in a second.
 const STEPS_PER_S: u64 = 128;
+/// A step, ns.
+const STEP_NS: u64 = 1_000_000_000 / STEPS_PER_S;
 /// Steps in a day.
 const DAY: i64 = 86_400 * STEPS_PER_S as i64;
 
@@ -19,6 +21,12 @@ impl DayClock {
         Self { midnight_ns, last: None }
     }
 
+    /// A clock whose first time of day is within half a day of `time_ns`.
+    pub fn near(midnight_ns: u64, time_ns: u64) -> Self {
+        let last = time_ns.saturating_sub(midnight_ns) / STEP_NS;
+        Self { midnight_ns, last: Some(last as i64) }
+    }
+
     /// The UTC time, ns, of a time of day in 1/128 s.
     pub fn time_ns(&mut self, time_of_day: u32) -> u64 {
         let time = i64::from(time_of_day);
@@ -28,7 +36,7 @@ impl DayClock {
         // Before the first midnight there is no time: a report from there is put at it.
         let steps = (last + step).max(0);
         self.last = Some(steps);
-        self.midnight_ns + steps as u64 * (1_000_000_000 / STEPS_PER_S)
+        self.midnight_ns + steps as u64 * STEP_NS
     }
 }
 
@@ -46,6 +54,7 @@ mod tests {
         assert_eq!(seconds(day_s - 2), 86_398); // late, from before midnight
         assert_eq!(seconds(3), 86_403);
         assert_eq!(seconds(day_s / 3), 86_400 + 28_800);
+        assert_eq!(seconds(2 * day_s / 3), 86_400 + 57_600);
         assert_eq!(seconds(day_s - 1), 86_400 + 86_399);
         assert_eq!(seconds(0), 2 * 86_400);
     }

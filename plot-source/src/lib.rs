@@ -1,8 +1,8 @@
 //! Real plots in place of the simulator: ASTERIX recordings.
 //!
 //! ```text
-//! bytes ──▶ asterix::block ──▶ asterix::cat010 ──▶ rotation ──▶ sectors ──▶ plots
-//!                                     └──────────────────────▶ truth ─────▶ truth
+//! bytes ──▶ asterix ──▶ radar ──▶ rotation ──▶ sectors ──▶ plots
+//!               └────▶ truth, registration ──────────────▶ truth
 //! ```
 //!
 //! [`Source`] turns the recording of a radar, and that of a cooperative sensor where there
@@ -15,6 +15,7 @@ pub mod asterix;
 pub mod clock;
 pub mod error;
 pub mod process;
+pub mod radar;
 pub mod registration;
 pub mod rotation;
 pub mod sectors;

@@ -44,7 +44,6 @@ fn amplitude(word: u32) -> f32 {
 ///
 /// x = 2^e·(1+f) with 1+f in [√½, √2); ln(1+f) = 2 artanh(s) with s = f/(2+f), as a series in
 /// s² up to s⁹, whose remainder is below 2·10⁻⁹.
-#[expect(clippy::inline_always, reason = "must be compiled with the instructions of its caller")]
 #[inline(always)]
 fn natural_logarithm(x: f32) -> f32 {
     const SQRT_HALF: u32 = 0x3f35_04f3;

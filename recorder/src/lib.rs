@@ -1,1 +1,22 @@
 //! Records every service with losses accounted for; latency histograms, scores and the report.
+//!
+//! ```text
+//! services ──▶ fold ──▶ report.json        fold: losses, latencies, processes, scoring
+//!     └──────▶ parts ─▶ MCAP files ──▶ info, export, diff, score
+//! ```
+//!
+//! Everything is a fold over messages that keeps sums and a few seconds of context, never
+//! a run: live, over a recording, and over both when a recorder was restarted.
+
+pub mod diff;
+pub mod export;
+pub mod fold;
+pub mod info;
+mod latencies;
+mod losses;
+pub mod parts;
+pub mod process;
+mod processes;
+pub mod scoring;
+
+pub use fold::Fold;

@@ -1,1 +1,33 @@
-//! IMM-PDA tracking with plot statistics: plots in, tracks out.
+//! Plots in, tracks out: an IMM-PDA tracker that uses decision statistics.
+//!
+//! One idea per file, in the order in which a plot meets them:
+//! ```text
+//! sweep         where the beam is            measurement  plot → y, R; what a mode expects     (T5)-(T8)
+//! plot_store    plots by beam angle          gate         which plots may be the track's       (T9)-(T11), (T13)
+//! state         mean and covariance          association  and how much each one is             (T12)
+//! motion        the three modes  (T1)        update       all modes with all plots             (T14)-(T16)
+//! imm           mixing  (T2)-(T4)            start, initiation  two plots make a track         (T17), (T18)
+//! clutter_map   false plots to expect        life         existence, confirmation, end, SNR    (T18), (T19)
+//! track         one track between passages   tracker      all of it, one call per message
+//! ```
+//!
+//! Pure: no clock, file, shared memory or thread. Formulas: `docs/theory/imm-pda.md`.
+
+pub mod association;
+pub mod clutter_map;
+pub mod gate;
+pub mod imm;
+pub mod initiation;
+pub mod life;
+pub mod measurement;
+pub mod motion;
+pub mod plot_store;
+pub mod process;
+pub mod start;
+pub mod state;
+pub mod sweep;
+pub mod track;
+pub mod tracker;
+pub mod update;
+
+pub use tracker::{Taken, Tracker};

@@ -64,10 +64,11 @@ pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<ChainConfig, Co
     };
     let mut config = parse(path.unwrap_or(Path::new("defaults")), &text, overrides)?;
     if let Some(folder) = path.and_then(Path::parent) {
-        // A scenario and its flights are moved together.
+        // A scenario and its flights are moved together; the stages read a copy elsewhere.
         for target in &mut config.sim.targets {
             if let MotionConfig::Csv { file, .. } = &mut target.motion {
-                *file = folder.join(&file).display().to_string();
+                let path = folder.join(&*file);
+                *file = std::path::absolute(&path).unwrap_or(path).display().to_string();
             }
         }
     }

@@ -25,7 +25,7 @@ pub use ipc::IpcConfig;
 pub use load::{ConfigError, load, parse};
 pub use plot_source::*;
 pub use radar::{RadarConfig, RadarGrid};
-pub use recorder::RecorderConfig;
+pub use recorder::{RecorderConfig, ScoringConfig};
 pub use run::{Mode, RunConfig, Source, Speed};
 pub use sim::{ClutterConfig, MotionConfig, SimConfig, Swerling, TargetConfig};
 pub use site::SiteConfig;

@@ -100,16 +100,10 @@ impl PlotSourceConfig {
         self.days_since_1970().unwrap_or(0) * 86_400_000_000_000
     }
 
-    /// Days from 1970-01-01 to the configured date in the Gregorian calendar.
     fn days_since_1970(&self) -> Option<u64> {
-        let mut parts = self.date.split('-').map(str::parse::<u64>);
-        let (year, month, day) = (parts.next()?.ok()?, parts.next()?.ok()?, parts.next()?.ok()?);
-        let leap = |year: u64| (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
-        let months = [31, 28 + u64::from(leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
-        let month_index = usize::try_from(month).ok()?.checked_sub(1)?;
-        let valid = (1970..=2500).contains(&year) && (1..=*months.get(month_index)?).contains(&day);
-        let years: u64 = (1970..year).map(|year| 365 + u64::from(leap(year))).sum();
-        (valid && parts.next().is_none()).then(|| years + months[..month_index].iter().sum::<u64>() + day - 1)
+        let date: jiff::civil::Date = self.date.parse().ok()?;
+        let midnight = date.to_zoned(jiff::tz::TimeZone::UTC).ok()?.timestamp().as_second();
+        u64::try_from(midnight).ok().map(|seconds| seconds / 86_400)
     }
 }
 

@@ -1,10 +1,10 @@
-//! `[recorder]`: what is recorded, and where.
+//! `[recorder]`: what is recorded, and where; how tracks are scored.
 
 use serde::{Deserialize, Serialize};
 
-use super::load::{ConfigError, within};
+use super::load::{ConfigError, not_negative, positive, require, within};
 
-/// Recording.
+/// Recording and scoring.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecorderConfig {
@@ -12,20 +12,88 @@ pub struct RecorderConfig {
     pub record: bool,
     /// Folder of the recordings.
     pub directory: String,
+    /// Where the report is written.
+    pub report: String,
     /// Whether dwells are recorded too (10⁸ bytes per second).
     pub dwells: bool,
     /// A chunk is closed at this size, KiB.
     pub chunk_kib: u32,
+    /// `[recorder.scoring]`: how tracks are compared with truth.
+    pub scoring: ScoringConfig,
 }
 
 impl Default for RecorderConfig {
     fn default() -> Self {
-        Self { record: true, directory: "recordings".into(), dwells: false, chunk_kib: 768 }
+        Self {
+            record: true,
+            directory: "recordings".into(),
+            report: "report.json".into(),
+            dwells: false,
+            chunk_kib: 768,
+            scoring: ScoringConfig::default(),
+        }
+    }
+}
+
+/// When a track counts as following a target. The first group is for truth from cooperative
+/// sensors, the second for simulated truth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ScoringConfig {
+    /// Cooperative truth counts where it moves faster than this, m/s.
+    pub speed_min_mps: f64,
+    /// Cooperative truth counts within this range of the radar, m.
+    pub range_max_m: f64,
+    /// A confirmed track follows a cooperative target within this distance, m.
+    pub gate_m: f64,
+    /// A track is interpolated over gaps up to this, s.
+    pub gap_max_s: f64,
+    /// A track is predicted past its last report up to this, s.
+    pub hold_max_s: f64,
+    /// A confirmed track follows a simulated target within this distance, m.
+    pub target_gate_m: f64,
+    /// Scans in which a simulated target has to be confirmed.
+    pub confirm_scans: u32,
+    /// Cut-off distance c of GOSPA, m.
+    pub gospa_cutoff_m: f64,
+    /// Order p of GOSPA.
+    pub gospa_order: f64,
+}
+
+impl Default for ScoringConfig {
+    fn default() -> Self {
+        Self {
+            speed_min_mps: 3.0,
+            range_max_m: 3000.0,
+            gate_m: 75.0,
+            gap_max_s: 5.0,
+            hold_max_s: 2.0,
+            target_gate_m: 200.0,
+            confirm_scans: 5,
+            gospa_cutoff_m: 100.0,
+            gospa_order: 2.0,
+        }
     }
 }
 
 impl RecorderConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        within("recorder.chunk_kib", self.chunk_kib.into(), 16..=65_536)
+        within("recorder.chunk_kib", self.chunk_kib.into(), 16..=65_536)?;
+        self.scoring.check()
+    }
+}
+
+impl ScoringConfig {
+    fn check(&self) -> Result<(), ConfigError> {
+        not_negative("recorder.scoring.speed_min_mps", self.speed_min_mps)?;
+        positive("recorder.scoring.range_max_m", self.range_max_m)?;
+        positive("recorder.scoring.gate_m", self.gate_m)?;
+        not_negative("recorder.scoring.gap_max_s", self.gap_max_s)?;
+        not_negative("recorder.scoring.hold_max_s", self.hold_max_s)?;
+        positive("recorder.scoring.target_gate_m", self.target_gate_m)?;
+        within("recorder.scoring.confirm_scans", self.confirm_scans.into(), 1..=1000)?;
+        positive("recorder.scoring.gospa_cutoff_m", self.gospa_cutoff_m)?;
+        let valid = (1.0..=100.0).contains(&self.gospa_order);
+        require("recorder.scoring.gospa_order", self.gospa_order, valid, "a number from 1 to 100")
     }
 }

@@ -94,6 +94,8 @@ pub struct RunConfig {
     pub scans: u32,
     /// First scan; a source that was restarted goes on here.
     pub first_scan: u32,
+    /// Number of the first track; a tracker that was restarted counts on from above all earlier ones.
+    pub first_track: u64,
     /// Name of the run, in the names of recordings; empty for the time of its start.
     pub id: String,
     /// Times real time, or `"max"`.
@@ -111,6 +113,7 @@ impl Default for RunConfig {
             mode: Mode::Lossless,
             scans: 60,
             first_scan: 0,
+            first_track: 1,
             id: String::new(),
             speed: Speed::Times(1.0),
             seed: 1,

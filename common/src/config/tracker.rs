@@ -2,15 +2,176 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::load::ConfigError;
+use super::Swerling;
+use super::load::{ConfigError, not_negative, positive, probability, require, within};
 
-/// Tracking.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+/// Which gate a track is searched in (T10).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GateRule {
+    /// The most probable mode's; the manoeuvre mode's if that one is empty.
+    MostProbable,
+    /// Always the manoeuvre mode's.
+    Manoeuvre,
+    /// Those of all modes of some probability together.
+    Union,
+}
+
+/// How plots in the gate are weighted (T12).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Association {
+    /// Probabilistic data association with decision statistics.
+    PdaStatistics,
+    /// Probabilistic data association by positions alone.
+    Pda,
+    /// The plot at the smallest normalised distance.
+    Nearest,
+    /// The plot of the largest statistic.
+    Strongest,
+}
+
+/// Where the density of false plots comes from (T12).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Clutter {
+    /// From the CFAR's design and the clutter map.
+    Parametric,
+    /// From the number of plots in the gate and its volume.
+    NonParametric,
+}
+
+/// What makes a track confirmed and what ends it (T18).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Logic {
+    /// The probability of existence.
+    Existence,
+    /// Counts of scans with and without a plot.
+    MOfN,
+}
+
+/// Tracking. Numbers like (T9) refer to `docs/theory/imm-pda.md`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct TrackerConfig {}
+pub struct TrackerConfig {
+    /// a₁: noise of the hover mode (T1), m/s.
+    pub hover_noise_mps: f64,
+    /// a₂: noise of the near-constant-velocity mode (T1), m/s².
+    pub velocity_noise_mps2: f64,
+    /// a₃: noise of the manoeuvre mode (T1), m/s³.
+    pub manoeuvre_noise_mps3: f64,
+    /// Probability that a target stays in its mode for 1 s.
+    pub stay_probability: f64,
+    /// `most-probable` (else manoeuvre, the brief's rule), `manoeuvre` or `union` (T10).
+    pub gate_rule: GateRule,
+    /// α: half width of gates in standard deviations (T9).
+    pub gate_alpha: f64,
+    /// P_G of each mode in the gate in use (T13), or one for all.
+    pub gate_probability_by_mode: bool,
+    /// γ: inflation of the range rate's variance (T7).
+    pub range_rate_inflation: f64,
+    /// `pda-statistics`, `pda`, `nearest` or `strongest` (T12).
+    pub association: Association,
+    /// `parametric` or `non-parametric` clutter (T12).
+    pub clutter: Clutter,
+    /// False plots per resolution cell and scan that are always expected, also where none were seen.
+    pub clutter_floor: f64,
+    /// Memory of the clutter map, scans; 0 for no map.
+    pub clutter_map_scans: u32,
+    /// Fluctuation of targets, for decision statistics (C4): `"0"`, `"I"` or `"III"`.
+    pub swerling: Swerling,
+    /// Signal-to-noise ratio expected of a new target, dB.
+    pub snr_db: f64,
+    /// Scans that the expectation counts for against a track's own statistics (T19); 0 never learns.
+    pub snr_prior_scans: f64,
+    /// Probability of detection where plots have no statistic, and its limit where they have.
+    pub detection_probability: f64,
+    /// Fastest target that starts a track, m/s.
+    pub start_speed_mps: f64,
+    /// Probability of existence of a new track of two plots.
+    pub start_existence: f64,
+    /// Probability that a target still exists after one scan.
+    pub survival_probability: f64,
+    /// `existence` or `m-of-n` (T18).
+    pub logic: Logic,
+    /// Existence that confirms a track.
+    pub confirm_existence: f64,
+    /// Existence below which a track ends.
+    pub delete_existence: f64,
+    /// Scans with a plot, the two of the start included, before a track is confirmed.
+    pub confirm_hits: u32,
+    /// For `m-of-n`: scans from the start in which those hits must come.
+    pub confirm_scans: u32,
+    /// Scans in a row without a plot after which a tentative track ends.
+    pub tentative_misses: u32,
+    /// Scans in a row without a plot after which a confirmed track ends.
+    pub confirmed_misses: u32,
+}
+
+impl Default for TrackerConfig {
+    fn default() -> Self {
+        Self {
+            hover_noise_mps: 1.0,
+            velocity_noise_mps2: 1.0,
+            manoeuvre_noise_mps3: 7.0,
+            stay_probability: 0.9,
+            gate_rule: GateRule::MostProbable,
+            gate_alpha: 3.5,
+            gate_probability_by_mode: true,
+            range_rate_inflation: 0.0,
+            association: Association::PdaStatistics,
+            clutter: Clutter::Parametric,
+            clutter_floor: 1e-7,
+            clutter_map_scans: 30,
+            swerling: Swerling::One,
+            snr_db: 16.0,
+            snr_prior_scans: 3.0,
+            detection_probability: 0.95,
+            start_speed_mps: 60.0,
+            start_existence: 0.1,
+            survival_probability: 0.998,
+            logic: Logic::Existence,
+            confirm_existence: 0.99,
+            delete_existence: 0.02,
+            confirm_hits: 3,
+            confirm_scans: 5,
+            tentative_misses: 3,
+            confirmed_misses: 8,
+        }
+    }
+}
 
 impl TrackerConfig {
-    pub(super) fn check(&self) -> Result<(), ConfigError> {
-        Ok(())
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`ConfigError`], naming the key and what was expected.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        positive("tracker.hover_noise_mps", self.hover_noise_mps)?;
+        positive("tracker.velocity_noise_mps2", self.velocity_noise_mps2)?;
+        positive("tracker.manoeuvre_noise_mps3", self.manoeuvre_noise_mps3)?;
+        let stay = self.stay_probability;
+        require("tracker.stay_probability", stay, stay > 0.34 && stay < 1.0, "a number above 0.34, below 1")?;
+        let alpha = self.gate_alpha;
+        require("tracker.gate_alpha", alpha, (1.0..=10.0).contains(&alpha), "a number from 1 to 10")?;
+        not_negative("tracker.range_rate_inflation", self.range_rate_inflation)?;
+        probability("tracker.clutter_floor", self.clutter_floor)?;
+        within("tracker.clutter_map_scans", self.clutter_map_scans.into(), 0..=100_000)?;
+        let snr = self.snr_db;
+        require("tracker.snr_db", snr, (0.0..=60.0).contains(&snr), "a number from 0 to 60")?;
+        not_negative("tracker.snr_prior_scans", self.snr_prior_scans)?;
+        probability("tracker.detection_probability", self.detection_probability)?;
+        positive("tracker.start_speed_mps", self.start_speed_mps)?;
+        probability("tracker.start_existence", self.start_existence)?;
+        probability("tracker.survival_probability", self.survival_probability)?;
+        probability("tracker.confirm_existence", self.confirm_existence)?;
+        let delete = self.delete_existence;
+        let valid = delete > 0.0 && delete < self.start_existence && delete < self.confirm_existence;
+        require("tracker.delete_existence", delete, valid, "a probability below start and confirm existence")?;
+        within("tracker.confirm_hits", self.confirm_hits.into(), 2..=1000)?;
+        within("tracker.confirm_scans", self.confirm_scans.into(), u64::from(self.confirm_hits)..=1000)?;
+        within("tracker.tentative_misses", self.tentative_misses.into(), 1..=1000)?;
+        within("tracker.confirmed_misses", self.confirmed_misses.into(), 1..=1000)
     }
 }

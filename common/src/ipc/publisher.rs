@@ -64,11 +64,7 @@ impl<M: Message> Publisher<M> {
                             cleaned_ms.store(waited_ms, Ordering::Relaxed);
                             clean_dead_nodes(&config);
                         }
-                        if process::must_abandon() {
-                            BackpressureAction::DiscardDataAndFail
-                        } else {
-                            BackpressureAction::Retry
-                        }
+                        BackpressureAction::Retry
                     },
                 )
             }
@@ -100,7 +96,7 @@ impl<M: Message> Publisher<M> {
         let mut sample = self.port.loan_slice(length).map_err(|cause| Self::failed(&cause))?;
         let header = write(sample.payload_mut());
         *sample.user_header_mut() = header;
-        sample.send().map_err(|cause| Self::not_sent(&cause))?;
+        sample.send().map_err(|cause| Self::failed(&cause))?;
         self.wake();
         Ok(())
     }
@@ -121,7 +117,7 @@ impl<M: Message> Publisher<M> {
         let place = sample.user_header_mut();
         *place = *header;
         stamp(place);
-        sample.send().map_err(|cause| Self::not_sent(&cause))?;
+        sample.send().map_err(|cause| Self::failed(&cause))?;
         self.wake();
         Ok(())
     }
@@ -141,7 +137,7 @@ impl<M: Message> Publisher<M> {
         tracing::debug!(topic, present = present(), wanted = self.consumers, "waiting for consumers");
         let (began, mut cleaned, mut told) = (Instant::now(), Instant::now(), false);
         while present() < self.consumers {
-            if process::stop_requested() && (!self.started.get() || process::must_abandon()) {
+            if process::stop_requested() && !self.started.get() {
                 return Err(IpcError::Stopped { topic });
             }
             if self.mode == Mode::RealTime && began.elapsed() > FIRST_WAIT {
@@ -169,9 +165,5 @@ impl<M: Message> Publisher<M> {
 
     fn failed(cause: &dyn std::fmt::Debug) -> IpcError {
         IpcError::Port { port: "publisher", topic: M::TOPIC.name(), reason: format!("{cause:?}") }
-    }
-
-    fn not_sent(cause: &dyn std::fmt::Debug) -> IpcError {
-        if process::must_abandon() { IpcError::Stopped { topic: M::TOPIC.name() } } else { Self::failed(cause) }
     }
 }

@@ -1,15 +1,18 @@
 //! Recorded messages: what the recorder writes and what batch runs read.
 //!
 //! Two forms of the same messages: JSON lines for people and scripts ([`jsonl`]), and
-//! MCAP containers for everything else. [`open`] reads either.
+//! MCAP containers for everything else ([`container`]). [`open`] reads either.
 
+pub mod container;
 pub mod jsonl;
 mod message;
 pub(crate) mod not_known;
 
 pub use message::{Recorded, RecordedRef};
 
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
 
 /// Why a recording cannot be read or written. Each is one line.
 #[derive(Debug, thiserror::Error)]
@@ -55,4 +58,39 @@ pub enum RecordingError {
     /// Reading or writing fails.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+}
+
+/// All messages of a recording, in file order, from a reader of either form.
+pub type Messages = Box<dyn Iterator<Item = Result<Recorded, RecordingError>>>;
+
+/// Opens a recording of either form; the form is found from the first bytes.
+///
+/// # Errors
+/// The file does not exist, is a directory, or is neither form.
+pub fn open(path: &Path) -> Result<Messages, RecordingError> {
+    let opening = |source| RecordingError::Open { path: path.to_path_buf(), source };
+    let mut file = File::open(path).map_err(opening)?;
+    let mut start = [0_u8; container::MAGIC.len()];
+    let length = read_up_to(&mut file, &mut start).map_err(opening)?;
+    file.seek(SeekFrom::Start(0)).map_err(opening)?;
+    let first = start[..length].iter().find(|byte| !byte.is_ascii_whitespace());
+    if start == container::MAGIC {
+        Ok(Box::new(container::Reader::new(BufReader::with_capacity(1 << 20, file))))
+    } else if first.is_none_or(|&byte| byte == b'{') {
+        Ok(Box::new(jsonl::Reader::new(BufReader::with_capacity(1 << 20, file))))
+    } else {
+        Err(RecordingError::NotARecording { path: path.to_path_buf() })
+    }
+}
+
+/// Reads until `buffer` is full or the file ends; returns how much that was.
+fn read_up_to(file: &mut File, buffer: &mut [u8]) -> std::io::Result<usize> {
+    let mut length = 0;
+    while length < buffer.len() {
+        match file.read(&mut buffer[length..])? {
+            0 => break,
+            read => length += read,
+        }
+    }
+    Ok(length)
 }

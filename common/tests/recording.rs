@@ -1,0 +1,218 @@
+//! Both forms of a recording: round trips, files cut and spoilt anywhere.
+
+use std::io::Cursor;
+
+use common::dwell::DwellHeader;
+use common::health::Health;
+use common::plots::{Plot, PlotsHeader};
+use common::recording::container::{Description, Reader, Writer};
+use common::recording::{Recorded, RecordingError, jsonl, open};
+use common::services::{HealthHeader, Topic};
+use common::tracks::{Track, TracksHeader};
+use common::truth::{TruthHeader, TruthTarget};
+use proptest::prelude::*;
+
+fn description() -> Description {
+    Description {
+        config: "[site]\nname = \"here\"\n".into(),
+        version: "0.1.0".into(),
+        seed: 7,
+        session: 1_800_000_000_000_000_000,
+        run: "test".into(),
+        part: 2,
+    }
+}
+
+/// `scans` scans of four sectors with numbers that need all their digits.
+fn messages(scans: u64) -> Vec<Recorded> {
+    let odd = |seq: u64| (seq as f64 + 0.1).sqrt() * 1e3 / 3.0;
+    let mut messages = Vec::new();
+    for seq in 0..scans * 4 {
+        let time_ns = 1_600_000_000_000_000_000 + seq * 250_000_000;
+        let plot = Plot { time_ns, range_m: odd(seq), sigma_range_m: odd(seq) as f32, ..Plot::default() };
+        let plots = PlotsHeader { seq, time_ns, scan: (seq / 4) as u32, ..PlotsHeader::default() };
+        messages.push(Recorded::Plots(plots, vec![plot; (seq % 3) as usize]));
+        let state = [odd(seq); 9];
+        let track = Track { time_ns, id: seq % 5, state, covariance: [-odd(seq); 45], ..Track::default() };
+        let tracks = TracksHeader { seq, time_ns, session: 5, ..TracksHeader::default() };
+        messages.push(Recorded::Tracks(tracks, vec![track; (seq % 2) as usize]));
+        if seq % 4 == 3 {
+            let target = TruthTarget { time_ns, target_id: 1, snr_db: 12.345_678, state, ..TruthTarget::default() };
+            let header = TruthHeader { seq: seq / 4, time_ns, ..TruthHeader::default() };
+            messages.push(Recorded::Truth(header, vec![target]));
+            let mut health = Health { seq: seq / 4, rss_bytes: 1 << 40, ..Health::default() };
+            health.set_process("tracker");
+            messages.push(Recorded::Health(HealthHeader { session: 5, seq: seq / 4 }, vec![health]));
+        }
+    }
+    messages
+}
+
+fn container(messages: &[Recorded], flush_every: usize) -> Vec<u8> {
+    let mut file = Cursor::new(Vec::new());
+    let mut writer = Writer::new(&mut file, "here", &description(), 1 << 20).expect("memory");
+    for (index, message) in messages.iter().enumerate() {
+        writer.write(message.by_ref()).expect("memory");
+        if index % flush_every == flush_every - 1 {
+            writer.flush().expect("memory");
+        }
+    }
+    writer.finish().expect("memory");
+    file.into_inner()
+}
+
+#[test]
+fn a_container_reads_back_with_its_description() {
+    let mut written = messages(10);
+    written.push(Recorded::Dwells(DwellHeader { seq: 3, ranges: 2, ..DwellHeader::default() }, vec![0.25, f32::MAX]));
+    let bytes = container(&written, 7);
+    let mut reader = Reader::new(bytes.as_slice());
+    assert_eq!(reader.description(), Some(&description()));
+    let read: Vec<Recorded> = reader.by_ref().collect::<Result<_, _>>().expect("whole");
+    assert_eq!(read, written);
+    assert!(reader.is_whole());
+}
+
+/// At every place in the file: all whole chunks before the cut, no error, no panic.
+#[test]
+fn a_container_cut_anywhere_is_readable_to_its_last_whole_chunk() {
+    let written = messages(12);
+    let (bytes, chunk) = (container(&written, 6), 6);
+    let mut longest = 0;
+    for cut in layout::first_chunk(&bytes)..bytes.len() {
+        let mut reader = Reader::new(&bytes[..cut]);
+        let read = reader.by_ref().collect::<Result<Vec<_>, _>>();
+        let read = read.unwrap_or_else(|error| panic!("cut at {cut}: {error}"));
+        assert_eq!(read, written[..read.len()], "cut at {cut}");
+        assert!(read.len() >= longest && (read.len() % chunk == 0 || read.len() == written.len()), "cut at {cut}");
+        longest = read.len();
+    }
+    assert_eq!(longest, written.len());
+    // Before the first chunk there is nothing to find: a few cuts will do.
+    for cut in (0..layout::first_chunk(&bytes)).step_by(997) {
+        assert_eq!(Reader::new(&bytes[..cut]).filter(Result::is_ok).count(), 0, "cut at {cut}");
+    }
+}
+
+/// Where things are in a container.
+mod layout {
+    /// Place of the first chunk record: magic, then (opcode, length, content) until opcode 6.
+    pub(super) fn first_chunk(bytes: &[u8]) -> usize {
+        let mut place = 8;
+        while bytes[place] != 6 {
+            let length: [u8; 8] = bytes[place + 1..place + 9].try_into().expect("8 bytes");
+            place += 9 + usize::try_from(u64::from_le_bytes(length)).expect("a length");
+        }
+        place
+    }
+}
+
+#[test]
+fn json_lines_read_back_digit_for_digit() {
+    let written = messages(10);
+    let mut bytes = Vec::new();
+    let mut writer = jsonl::Writer::new(&mut bytes);
+    for message in &written {
+        writer.write(message.by_ref()).expect("memory");
+    }
+    writer.finish().expect("memory");
+    let read: Vec<Recorded> = jsonl::Reader::new(bytes.as_slice()).collect::<Result<_, _>>().expect("good lines");
+    assert_eq!(read, written);
+}
+
+#[test]
+fn what_is_not_known_is_null_in_json_and_comes_back_as_not_known() {
+    let target = TruthTarget { snr_db: f32::NAN, ..TruthTarget::default() };
+    let message = Recorded::Truth(TruthHeader::default(), vec![target]);
+    let mut bytes = Vec::new();
+    jsonl::Writer::new(&mut bytes).write(message.by_ref()).expect("memory");
+    assert!(String::from_utf8_lossy(&bytes).contains("\"snr_db\":null"));
+    let Some(Ok(Recorded::Truth(_, targets))) = jsonl::Reader::new(bytes.as_slice()).next() else {
+        panic!("truth expected");
+    };
+    assert!(targets[0].snr_db.is_nan());
+}
+
+#[test]
+fn a_bad_line_is_named_by_its_number_and_the_rest_is_read() {
+    let text = b"{\"topic\":\"speed\",\"header\":{},\"elements\":[]}\n\n\
+        {\"topic\":\"plots\",\"header\":{},\"elements\":[]}\nx\n";
+    let errors: Vec<String> =
+        jsonl::Reader::new(&text[..]).map(|line| line.expect_err("must be refused").to_string()).collect();
+    assert_eq!(errors[0], "line 1: topic `speed`: expected plots, tracks, truth or health");
+    assert!(errors[1].starts_with("line 3: header: missing field `seq`"), "{}", errors[1]);
+    assert!(errors[2].starts_with("line 4: expected value"), "{}", errors[2]);
+    assert!(errors.iter().all(|error| !error.contains('\n')));
+}
+
+/// Takes so many bytes and no more.
+struct FullDisk(u64);
+
+impl std::io::Write for FullDisk {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0 += bytes.len() as u64;
+        if self.0 > 60_000 { Err(std::io::ErrorKind::StorageFull.into()) } else { Ok(bytes.len()) }
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+impl std::io::Seek for FullDisk {
+    fn seek(&mut self, _: std::io::SeekFrom) -> std::io::Result<u64> {
+        Ok(self.0)
+    }
+}
+
+#[test]
+fn a_full_disk_is_an_error_and_not_a_panic() {
+    let mut writer = Writer::new(FullDisk(0), "here", &description(), 4096).expect("there is room");
+    let written = messages(1000);
+    let failed = written.iter().map(|message| writer.write(message.by_ref())).filter(Result::is_err).count();
+    assert!(failed > 10);
+    assert!(matches!(writer.finish(), Err(RecordingError::Io(_) | RecordingError::Container { .. })));
+}
+
+#[test]
+fn open_tells_the_forms_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).expect("a file");
+        path
+    };
+    let topics = |path: &std::path::Path| -> Vec<Topic> {
+        open(path).expect("a recording").map(|message| message.expect("whole").by_ref().topic()).collect()
+    };
+    assert_eq!(topics(&file("a.mcap", &container(&messages(1), 2))).len(), 10);
+    assert!(topics(&file("empty", b"")).is_empty());
+    let error = |path: &std::path::Path| open(path).err().expect("must be refused").to_string();
+    assert!(error(&file("x", b"\x7fELF")).contains("is not a recording"));
+    assert!(error(folder.path()).contains("directory"));
+    assert!(error(std::path::Path::new("/nowhere/x")).starts_with("cannot open recording /nowhere/x"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Spoilt bytes give an error or fewer messages, never a panic.
+    #[test]
+    fn spoilt_containers_do_no_harm(place in 0.0..1.0_f64, value in any::<u8>(), length in 1usize..9) {
+        let mut bytes = container(&messages(6), 5);
+        let start = (place * bytes.len() as f64) as usize;
+        let end = (start + length).min(bytes.len());
+        bytes[start..end].fill(value);
+        let mut reader = Reader::new(bytes.as_slice());
+        let _ = reader.description();
+        let _ = reader.count();
+    }
+
+    #[test]
+    fn random_bytes_do_no_harm(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        let mut with_magic = common::recording::container::MAGIC.to_vec();
+        with_magic.extend(&bytes);
+        let _ = Reader::new(with_magic.as_slice()).count();
+        let _ = jsonl::Reader::new(bytes.as_slice()).take(1000).count();
+    }
+}

@@ -1,0 +1,101 @@
+//! The recording of a cooperative sensor: where the targets that carry transponders were.
+//!
+//! Positions are Cartesian about the sensor's reference point; [`Registration`] brings them
+//! into the radar's frame, at the height of the ground: flight levels are barometric
+//! and not used. The radar sees an aircraft's centroid, which lies behind its antenna,
+//! so that an aircraft's position is moved back along its heading. Vehicles are not moved.
+
+use std::collections::HashMap;
+
+use common::config::PlotSourceConfig;
+use common::health::{Reject, Rejected};
+use common::truth::{AIRBORNE, MODE_UNKNOWN, ON_GROUND, PLANAR, TruthTarget, VEHICLE, VISIBLE};
+use nalgebra::Vector3;
+
+use crate::asterix::cat010::{MessageType, Record, TargetKind};
+use crate::asterix::records;
+use crate::clock::DayClock;
+use crate::registration::Registration;
+
+/// Below this speed the direction of a velocity says nothing of the heading: the last one holds, m/s.
+const SLOWEST_HEADING_MPS: f64 = 1.0;
+
+/// A cooperative sensor's recording, decoded.
+#[derive(Debug, Clone, Default)]
+pub struct TruthRecording {
+    /// Targets by time.
+    pub targets: Vec<TruthTarget>,
+    /// Records that could be read.
+    pub records: u64,
+    /// What was not used.
+    pub rejected: Rejected,
+}
+
+impl TruthRecording {
+    /// Decodes `bytes`, a recording that began within half a day of `near_ns`.
+    pub fn decode(bytes: &[u8], midnight_ns: u64, near_ns: u64, config: &PlotSourceConfig) -> Self {
+        let mut recording = Self::default();
+        let mut decoder = Decoder {
+            clock: DayClock::near(midnight_ns, near_ns),
+            registration: Registration::new(&config.registration),
+            coverage_range_m: config.coverage_range_m,
+            headings: HashMap::new(),
+        };
+        for record in records(bytes) {
+            recording.records += u64::from(record.is_ok());
+            match record.and_then(|record| decoder.target(&record)) {
+                Ok(target) => recording.targets.push(target),
+                Err(reason) => recording.rejected.count(reason),
+            }
+        }
+        recording.targets.sort_by_key(|target| (target.time_ns, target.target_id));
+        recording
+    }
+}
+
+struct Decoder {
+    clock: DayClock,
+    registration: Registration,
+    coverage_range_m: f64,
+    /// Last known heading by address, a unit vector.
+    headings: HashMap<u32, Vector3<f64>>,
+}
+
+impl Decoder {
+    fn target(&mut self, record: &Record) -> Result<TruthTarget, Reject> {
+        if record.message_type != Some(MessageType::TargetReport) {
+            return Err(Reject::NotATarget);
+        }
+        let descriptor = record.descriptor.unwrap_or_default();
+        if descriptor.fixed_monitor || descriptor.test {
+            return Err(Reject::FixedMonitor);
+        }
+        let target_id = record.address.filter(|&address| address != 0).ok_or(Reject::NoAddress)?;
+        let time_ns = self.clock.time_ns(record.time_of_day.ok_or(Reject::NoTime)?);
+        let mut position = self.registration.position_enu(record.cartesian_m.ok_or(Reject::NoPosition)?);
+        let velocity = self.registration.velocity_enu(record.velocity_steps.unwrap_or_default());
+        if velocity.norm() > SLOWEST_HEADING_MPS {
+            self.headings.insert(target_id, velocity.normalize());
+        }
+        if descriptor.kind == TargetKind::Aircraft
+            && let Some(heading) = self.headings.get(&target_id)
+        {
+            position += self.registration.centroid_shift_m(heading);
+        }
+        let visible = if position.xy().norm() <= self.coverage_range_m { VISIBLE } else { 0 };
+        let kind = match (descriptor.kind, descriptor.on_ground) {
+            (TargetKind::GroundVehicle, _) => VEHICLE | ON_GROUND,
+            (TargetKind::Undetermined, false) => 0,
+            (_, true) => ON_GROUND,
+            (_, false) => AIRBORNE,
+        };
+        Ok(TruthTarget {
+            time_ns,
+            target_id,
+            mode: MODE_UNKNOWN,
+            state: [position.x, velocity.x, 0.0, position.y, velocity.y, 0.0, 0.0, 0.0, 0.0],
+            snr_db: f32::NAN,
+            flags: visible | kind | PLANAR,
+        })
+    }
+}

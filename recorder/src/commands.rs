@@ -1,0 +1,112 @@
+//! What can be done with recordings.
+
+use std::fs::File;
+use std::io::{BufReader, Write};
+use std::iter::Peekable;
+use std::path::Path;
+use std::process::ExitCode;
+
+use anyhow::Context;
+use common::config::ChainConfig;
+use common::process::{BadInput, EXIT_CHECK_BROKEN};
+use common::recording::{self, Messages, Recorded, RecordingError};
+use common::report::Report;
+use common::services::Topic;
+use recorder::export::{ExportError, Format};
+use recorder::scoring::Scoring;
+use recorder::{diff, export, info};
+
+/// Says what is in a recording.
+pub(crate) fn info(path: &Path) -> anyhow::Result<ExitCode> {
+    // `open` checks the form; the container is read by itself because only it has a description.
+    drop(open(path)?);
+    let file = File::open(path).with_context(|| format!("opening {}", path.display()))?;
+    let text = info::describe(BufReader::with_capacity(1 << 20, file)).map_err(|error| in_file(path, &error))?;
+    say(&text)
+}
+
+/// Writes topics of a recording as files.
+pub(crate) fn export(path: &Path, topics: &[Topic], format: Format, out: &Path) -> anyhow::Result<ExitCode> {
+    let files = export::export(open(path)?, topics, format, out).map_err(|error| match error {
+        ExportError::Recording(error) => in_file(path, &error),
+        other => BadInput(other.to_string()),
+    })?;
+    let lines: String = files.iter().map(|(file, rows)| format!("{} {rows} rows\n", file.display())).collect();
+    say(&lines)
+}
+
+/// Compares two recordings: exit code 0 if they are equal, 1 with the first difference.
+pub(crate) fn diff(a: &Path, b: &Path) -> anyhow::Result<ExitCode> {
+    let difference = diff::first_difference(open(a)?, open(b)?)
+        .map_err(|error| BadInput(format!("comparing {} and {}: {error}", a.display(), b.display())))?;
+    match difference {
+        None => say("equal\n"),
+        Some(difference) => {
+            say(&format!("{difference}\n"))?;
+            Ok(ExitCode::from(EXIT_CHECK_BROKEN))
+        }
+    }
+}
+
+/// Scores tracks (and plots) against truth.
+pub(crate) fn score(
+    config: &ChainConfig,
+    tracks: &Path,
+    truth: &Path,
+    plots: Option<&Path>,
+) -> anyhow::Result<ExitCode> {
+    let mut scoring = Scoring::new(config);
+    let mut inputs = vec![open_topic(truth, Topic::Truth)?, open_topic(tracks, Topic::Tracks)?];
+    inputs.extend(plots.map(|path| open_topic(path, Topic::Plots)).transpose()?);
+    while let Some(message) = next_by_time(&mut inputs)? {
+        match message {
+            Recorded::Truth(header, targets) => scoring.truth(&header, &targets),
+            Recorded::Tracks(header, tracks) => scoring.tracks(&header, &tracks),
+            Recorded::Plots(header, plots) => scoring.plots(&header, &plots),
+            Recorded::Dwells(..) | Recorded::Health(..) => {}
+        }
+    }
+    let (detection, tracking) = scoring.finish();
+    say(&Report { detection, tracking, ..Report::default() }.scores_to_text())
+}
+
+fn open(path: &Path) -> Result<Messages, BadInput> {
+    recording::open(path).map_err(|error| BadInput(error.to_string()))
+}
+
+/// The messages of one topic; the same file may be opened for several.
+fn open_topic(path: &Path, topic: Topic) -> Result<Peekable<Messages>, BadInput> {
+    let name = path.to_path_buf();
+    let wanted = open(path)?.filter(move |message| match message {
+        Ok(message) => message.by_ref().topic() == topic,
+        Err(_) => true,
+    });
+    let named: Messages = Box::new(wanted.map(move |message| {
+        message.map_err(|error| RecordingError::Container { message: in_file(&name, &error).to_string() })
+    }));
+    Ok(named.peekable())
+}
+
+/// The earliest of the next messages of several recordings.
+fn next_by_time(inputs: &mut [Peekable<Messages>]) -> anyhow::Result<Option<Recorded>> {
+    let time_ns = |input: &mut Peekable<Messages>| match input.peek() {
+        None => u64::MAX,
+        Some(Ok(message)) => message.by_ref().time_ns(),
+        Some(Err(_)) => 0,
+    };
+    let times: Vec<u64> = inputs.iter_mut().map(time_ns).collect();
+    let earliest = (0..inputs.len()).min_by_key(|&index| times[index]).context("no input")?;
+    Ok(inputs[earliest].next().transpose().map_err(|error| BadInput(error.to_string()))?)
+}
+
+fn in_file(path: &Path, error: &RecordingError) -> BadInput {
+    BadInput(format!("{}: {error}", path.display()))
+}
+
+/// Writes to standard output; a reader that has gone away is no error.
+fn say(text: &str) -> anyhow::Result<ExitCode> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(ExitCode::SUCCESS),
+    }
+}

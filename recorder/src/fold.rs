@@ -1,0 +1,138 @@
+//! Everything that a run's report says, folded from its messages.
+
+use common::config::{ChainConfig, Mode};
+use common::health::{Intake, LatencySummary};
+use common::latency::LATENCIES;
+use common::message::END_OF_SCAN;
+use common::recording::RecordedRef;
+use common::report::{Report, SCHEMA};
+use common::services::Topic;
+use common::tracks::TracksHeader;
+use common::units::{NS_PER_S, seconds_between};
+
+use crate::latencies::Latencies;
+use crate::losses::Losses;
+use crate::processes::Processes;
+use crate::scoring::Scoring;
+
+/// The fold of a run.
+#[derive(Debug)]
+pub struct Fold {
+    config: ChainConfig,
+    losses: Losses,
+    latencies: Latencies,
+    processes: Processes,
+    scoring: Scoring,
+    scans: u64,
+    /// Processing time of the first source stamp and the last tracks, ns.
+    wall_ns: Option<(u64, u64)>,
+    /// Measurement time of the first and the last tracks, ns UTC.
+    measured_ns: Option<(u64, u64)>,
+}
+
+impl Fold {
+    /// Nothing seen yet of a run with `config`.
+    pub fn new(config: &ChainConfig) -> Self {
+        Self {
+            config: config.clone(),
+            losses: Losses::default(),
+            latencies: Latencies::new(&config.budget),
+            processes: Processes::default(),
+            scoring: Scoring::new(config),
+            scans: 0,
+            wall_ns: None,
+            measured_ns: None,
+        }
+    }
+
+    /// Takes the next message; `recorded_ns` is the processing time at which it was recorded, 0 for one from a file.
+    pub fn take(&mut self, message: RecordedRef<'_>, recorded_ns: u64) {
+        self.losses.take(message);
+        match message {
+            RecordedRef::Plots(header, plots) => {
+                self.latencies.plots(header);
+                self.scoring.plots(header, plots);
+            }
+            RecordedRef::Tracks(header, tracks) => {
+                self.latencies.tracks(header, recorded_ns);
+                self.scoring.tracks(header, tracks);
+                self.note_progress(header);
+            }
+            RecordedRef::Truth(header, targets) => self.scoring.truth(header, targets),
+            RecordedRef::Health(_, reports) => reports.iter().for_each(|health| self.processes.take(health)),
+            RecordedRef::Dwells(..) => {}
+        }
+    }
+
+    fn note_progress(&mut self, header: &TracksHeader) {
+        self.scans += u64::from(header.has(END_OF_SCAN));
+        let extend = |span: Option<(u64, u64)>, from: u64, to: u64| {
+            let (first, last) = span.unwrap_or((from, to));
+            Some((first.min(from), last.max(to)))
+        };
+        let stamps = &header.stamps;
+        if stamps.source_out_ns != 0 && stamps.tracks_out_ns != 0 {
+            self.wall_ns = extend(self.wall_ns, stamps.source_out_ns, stamps.tracks_out_ns);
+        }
+        self.measured_ns = extend(self.measured_ns, header.time_ns, header.time_ns);
+    }
+
+    /// Notes a message that was received but could not be written to the recording.
+    pub fn not_written(&mut self, topic: Topic) {
+        self.losses.not_written(topic);
+    }
+
+    /// Scans that went through the whole chain.
+    pub fn scans(&self) -> u64 {
+        self.scans
+    }
+
+    /// Messages received on a topic.
+    pub fn received(&self, topic: Topic) -> u64 {
+        self.losses.received(topic)
+    }
+
+    /// What has been received and missed on a topic.
+    pub fn intake(&self, topic: Topic) -> Intake {
+        self.losses.intake(topic)
+    }
+
+    /// p50, p99 and misses so far.
+    pub fn latency_summaries(&self) -> [LatencySummary; LATENCIES] {
+        self.latencies.summaries()
+    }
+
+    /// Whether every process that has reported, but `except`, has ended in order.
+    pub fn all_ended(&self, except: &str) -> bool {
+        self.processes.all_ended(except)
+    }
+
+    /// The report of everything taken.
+    pub fn finish(mut self, recording: Option<String>) -> Report {
+        let (detection, tracking) = self.scoring.finish();
+        let span_s = |span: Option<(u64, u64)>| span.map_or(0.0, |(first, last)| seconds_between(first, last));
+        let wall_s = self.wall_ns.map_or(0.0, |(first, last)| (last - first) as f64 / NS_PER_S);
+        let loss = self.losses.lost();
+        let lossless = self.config.run.mode == Mode::Lossless;
+        let whole = loss.values().flat_map(|consumers| consumers.values()).all(|&lost| lost == 0);
+        Report {
+            schema: SCHEMA,
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            git: option_env!("RADAR_CHAIN_GIT").unwrap_or("unknown").to_string(),
+            seed: self.config.run.seed,
+            scans: self.scans,
+            wall_s,
+            realtime_factor: if wall_s > 0.0 { span_s(self.measured_ns) / wall_s } else { 0.0 },
+            comparable: lossless && whole && !self.losses.restarted(),
+            loss,
+            messages: self.losses.messages(),
+            latency_us: self.latencies.percentiles(),
+            budget: self.latencies.budgets(),
+            detection,
+            tracking,
+            processes: self.processes.report(),
+            recording,
+            config: Some(self.config),
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! `recorder` as a process of its own, and what can be done with recordings.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand, ValueEnum};
+use common::process::StageArgs;
+use common::services::{ALL_TOPICS, Topic};
+use recorder::process;
+
+mod commands;
+
+/// Records the chain and reports on it; reads, compares and scores recordings
+///
+/// Example: recorder --config config/uav.toml
+#[derive(Parser)]
+#[command(version, verbatim_doc_comment, args_conflicts_with_subcommands = true)]
+struct Args {
+    #[command(flatten)]
+    stage: StageArgs,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Say what is in a recording
+    Info {
+        /// The recording
+        file: PathBuf,
+    },
+    /// Write topics of a recording as tables or JSON lines
+    Export {
+        /// The recording
+        file: PathBuf,
+        /// Topics, separated by commas
+        #[arg(long, value_delimiter = ',', default_value = "plots,tracks,truth", value_parser = parse_topic)]
+        topics: Vec<Topic>,
+        /// Form of the files
+        #[arg(long, default_value = "csv")]
+        format: FormatArgument,
+        /// Folder of the files, one per topic
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Compare two recordings in everything but stamps: exit code 0 if equal, 1 with the first difference
+    Diff {
+        /// One recording
+        a: PathBuf,
+        /// The other
+        b: PathBuf,
+    },
+    /// Score tracks against truth
+    Score {
+        #[command(flatten)]
+        stage: StageArgs,
+        /// Tracks: a recording or JSON lines
+        #[arg(long, value_name = "FILE")]
+        tracks: PathBuf,
+        /// Truth: a recording or JSON lines
+        #[arg(long, value_name = "FILE")]
+        truth: PathBuf,
+        /// Plots: a recording or JSON lines
+        #[arg(long, value_name = "FILE")]
+        plots: Option<PathBuf>,
+    },
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum FormatArgument {
+    /// Comma-separated values
+    Csv,
+    /// JSON lines
+    Jsonl,
+}
+
+fn parse_topic(name: &str) -> Result<Topic, String> {
+    ALL_TOPICS
+        .into_iter()
+        .find(|topic| topic.name() == name)
+        .ok_or_else(|| "expected plots, tracks, truth or health".to_string())
+}
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    common::process::run(process::NAME, || match args.command {
+        None => process::run(&args.stage),
+        Some(Command::Info { file }) => commands::info(&file),
+        Some(Command::Export { file, topics, format, out }) => {
+            let format = match format {
+                FormatArgument::Csv => recorder::export::Format::Csv,
+                FormatArgument::Jsonl => recorder::export::Format::JsonLines,
+            };
+            commands::export(&file, &topics, format, &out)
+        }
+        Some(Command::Diff { a, b }) => commands::diff(&a, &b),
+        Some(Command::Score { stage, tracks, truth, plots }) => {
+            commands::score(&stage.load()?, &tracks, &truth, plots.as_deref())
+        }
+    })
+}

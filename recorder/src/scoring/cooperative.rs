@@ -1,0 +1,248 @@
+//! Tracks against truth from transponders, in the plane.
+//!
+//! **What counts.** A truth report counts if the target moves faster than `speed_min_mps` and
+//! is within `range_max_m` of the radar. It is followed if the track that its address has in
+//! that second lies within `gate_m` of it, confirmed or coasting, at the time of the report:
+//! between two track reports up to `gap_max_s` apart, or predicted up to `hold_max_s`.
+//!
+//! **Which track.** Seconds of UTC are taken one after the other. In each, an address keeps
+//! the track it had last while that is within the gate; then the remaining addresses and
+//! tracks are paired, nearest first. A track has one address in a second, and an
+//! address one track. An address that gets another track than its last one is a change.
+//!
+//! **False tracks.** A confirmed track that was never within the gate of any address, moving
+//! or not, at any range.
+//!
+//! With these definitions the tracker of the Barcelona radar itself has the figures that the
+//! description of the data gives (test `own_tracks` of the plot source).
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+use common::config::ScoringConfig;
+use common::report::Tracking;
+use common::tracks::{Track, TracksHeader};
+use common::truth::{ON_GROUND, TruthHeader, TruthTarget, VEHICLE};
+use common::units::{NS_PER_S, seconds_between};
+use hdrhistogram::Histogram;
+
+use super::path::{Path, PlanarPoint, distance_m, ns};
+
+/// One topic is waited for no longer than this when the other goes on, s.
+const LONGEST_WAIT_S: f64 = 60.0;
+
+/// The fold of truth and tracks.
+#[derive(Debug)]
+pub struct Cooperative {
+    config: ScoringConfig,
+    /// Truth not scored yet, by second.
+    seconds: BTreeMap<u64, Vec<TruthTarget>>,
+    targets: HashMap<u32, Path>,
+    tracks: HashMap<u64, Followed>,
+    /// Last track of each address.
+    holder: HashMap<u32, u64>,
+    tracks_ns: u64,
+    truth_ns: u64,
+    truth_span_ns: Option<(u64, u64)>,
+    scored_until: u64,
+    points: Share,
+    ground: Share,
+    changes: u64,
+    never_near: u64,
+    /// Distances, mm.
+    distances: Histogram<u64>,
+}
+
+#[derive(Debug, Default)]
+struct Followed {
+    path: Path,
+    near: bool,
+}
+
+#[derive(Debug, Default, Clone, Copy)]
+struct Share {
+    all: u64,
+    followed: u64,
+}
+
+impl Share {
+    fn count(&mut self, followed: bool) {
+        self.all += 1;
+        self.followed += u64::from(followed);
+    }
+
+    fn value(self) -> Option<f64> {
+        (self.all > 0).then(|| self.followed as f64 / self.all as f64)
+    }
+}
+
+impl Cooperative {
+    /// Nothing seen yet.
+    pub fn new(config: &ScoringConfig) -> Self {
+        Self {
+            config: config.clone(),
+            seconds: BTreeMap::new(),
+            targets: HashMap::new(),
+            tracks: HashMap::new(),
+            holder: HashMap::new(),
+            tracks_ns: 0,
+            truth_ns: 0,
+            truth_span_ns: None,
+            scored_until: 0,
+            points: Share::default(),
+            ground: Share::default(),
+            changes: 0,
+            never_near: 0,
+            distances: Histogram::new_with_bounds(1, 10_000_000, 3).expect("constant bounds are valid"),
+        }
+    }
+
+    /// Takes the tracks of a sector.
+    pub fn tracks(&mut self, header: &TracksHeader, tracks: &[Track]) {
+        for track in tracks.iter().filter(|track| track.is_confirmed()) {
+            self.tracks.entry(track.id).or_default().path.push(PlanarPoint::from(track));
+        }
+        self.tracks_ns = self.tracks_ns.max(header.time_ns);
+        self.score_what_is_complete();
+    }
+
+    /// Takes the truth of a scan.
+    pub fn truth(&mut self, header: &TruthHeader, targets: &[TruthTarget]) {
+        for target in targets {
+            let (first, last) = self.truth_span_ns.unwrap_or((target.time_ns, target.time_ns));
+            self.truth_span_ns = Some((first.min(target.time_ns), last.max(target.time_ns)));
+            self.targets.entry(target.target_id).or_default().push(PlanarPoint::from(target));
+            self.seconds.entry(target.time_ns / NS_PER_S as u64).or_default().push(*target);
+        }
+        self.truth_ns = self.truth_ns.max(header.time_ns);
+        self.score_what_is_complete();
+    }
+
+    /// Scores what is left, and the result.
+    pub fn finish(&mut self) -> Tracking {
+        let end_ns = self.tracks_ns.max(self.truth_ns) + ns(self.config.gap_max_s + 2.0);
+        self.score_until(end_ns / NS_PER_S as u64 + 1);
+        let never_near = self.never_near + self.tracks.values().filter(|track| !track.near).count() as u64;
+        let hours = self.truth_span_ns.map(|(first, last)| seconds_between(first, last) / 3600.0);
+        let distance_m =
+            |quantile| (!self.distances.is_empty()).then(|| self.distances.value_at_quantile(quantile) as f64 / 1000.0);
+        Tracking {
+            false_tracks: hours.map(|_| never_near),
+            false_tracks_per_hour: hours.filter(|&hours| hours > 0.0).map(|hours| never_near as f64 / hours),
+            truth_hours: hours,
+            truth_share: self.points.value(),
+            truth_share_ground: self.ground.value(),
+            truth_points: hours.map(|_| self.points.all),
+            distance_p50_m: distance_m(0.5),
+            distance_p95_m: distance_m(0.95),
+            id_changes: hours.map(|_| self.changes),
+            ..Tracking::default()
+        }
+    }
+
+    /// Scores every second that no later report of a track or target can change.
+    fn score_what_is_complete(&mut self) {
+        let (behind, ahead) = (self.tracks_ns.min(self.truth_ns), self.tracks_ns.max(self.truth_ns));
+        let known_ns = behind.max(ahead.saturating_sub(ns(LONGEST_WAIT_S)));
+        let complete = known_ns.saturating_sub(ns(self.config.gap_max_s + 1.0)) / NS_PER_S as u64;
+        self.score_until(complete);
+    }
+
+    fn score_until(&mut self, end: u64) {
+        while let Some(entry) = self.seconds.first_entry().filter(|entry| *entry.key() < end) {
+            let (second, reports) = entry.remove_entry();
+            self.mark_near(second);
+            self.score(&reports);
+        }
+        if end > self.scored_until {
+            self.scored_until = end;
+            self.forget();
+        }
+    }
+
+    /// Marks the tracks that were within the gate of an address in `second`.
+    fn mark_near(&mut self, second: u64) {
+        let Self { tracks, targets, config, .. } = self;
+        for track in tracks.values_mut().filter(|track| !track.near) {
+            let mut points = track.path.points().filter(|point| point.time_ns / NS_PER_S as u64 == second);
+            track.near = points.any(|point| {
+                targets.values().any(|target| {
+                    target
+                        .position_at(point.time_ns, config.gap_max_s, 0.0)
+                        .is_some_and(|truth| distance_m(truth, point.position_m) <= config.gate_m)
+                })
+            });
+        }
+    }
+
+    /// Scores the reports of one second.
+    fn score(&mut self, reports: &[TruthTarget]) {
+        let counts = |target: &TruthTarget| {
+            let point = PlanarPoint::from(target);
+            distance_m(point.velocity_mps, [0.0; 2]) > self.config.speed_min_mps
+                && distance_m(point.position_m, [0.0; 2]) <= self.config.range_max_m
+        };
+        let reports: Vec<&TruthTarget> = reports.iter().filter(|target| counts(target)).collect();
+        let given = self.assign(&reports);
+        for report in reports {
+            let distance = given.get(&report.target_id).and_then(|track| self.distance(report, &self.tracks[track]));
+            self.points.count(distance.is_some());
+            if report.flags & (VEHICLE | ON_GROUND) == ON_GROUND {
+                self.ground.count(distance.is_some());
+            }
+            if let Some(distance) = distance {
+                self.distances.saturating_record((distance * 1000.0).round() as u64);
+            }
+        }
+        for (address, track) in given {
+            if self.holder.insert(address, track).is_some_and(|last| last != track) {
+                self.changes += 1;
+            }
+        }
+    }
+
+    /// The track of each address in one second.
+    fn assign(&self, reports: &[&TruthTarget]) -> HashMap<u32, u64> {
+        let mut pairs = Vec::new();
+        for report in reports {
+            for (&track, followed) in &self.tracks {
+                if let Some(distance) = self.distance(report, followed) {
+                    let kept = self.holder.get(&report.target_id) == Some(&track);
+                    pairs.push((!kept, distance, report.target_id, track));
+                }
+            }
+        }
+        pairs.sort_by(|a, b| a.partial_cmp(b).expect("distances are numbers"));
+        let (mut given, mut taken) = (HashMap::new(), HashSet::new());
+        for (_, _, address, track) in pairs {
+            if !given.contains_key(&address) && taken.insert(track) {
+                given.insert(address, track);
+            }
+        }
+        given
+    }
+
+    /// Distance of a track from a report if it is within the gate, m.
+    fn distance(&self, report: &TruthTarget, track: &Followed) -> Option<f64> {
+        let position = track.path.position_at(report.time_ns, self.config.gap_max_s, self.config.hold_max_s)?;
+        let [x, y, _] = report.position_m();
+        Some(distance_m(position, [x, y])).filter(|&distance| distance <= self.config.gate_m)
+    }
+
+    /// Forgets what no later second needs.
+    fn forget(&mut self) {
+        let needed_ns = (self.scored_until * NS_PER_S as u64).saturating_sub(ns(self.config.gap_max_s + 1.0));
+        for track in self.tracks.values_mut() {
+            track.path.forget_before(needed_ns);
+        }
+        let never_near = &mut self.never_near;
+        self.tracks.retain(|_, track| {
+            let ended = track.path.last_ns() < needed_ns;
+            *never_near += u64::from(ended && !track.near);
+            !ended
+        });
+        self.targets.retain(|_, target| {
+            target.forget_before(needed_ns);
+            target.last_ns() >= needed_ns
+        });
+    }
+}

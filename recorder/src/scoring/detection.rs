@@ -1,0 +1,360 @@
+//! Plots against the simulator's truth: detection, accuracy, false alarms.
+//!
+//! A plot is a target's if it lies within 6 standard errors or 1.5 cells, whichever is
+//! more, on every axis, and is the nearest such plot of the moment at which the beam passed the
+//! target. Errors are divided by the plot's own standard errors.
+//!
+//! False alarms are counted in cells: those of plots that are near no target, outside the
+//! region of ground clutter, over the cells tested there. *Near a target* are ±1.5° of azimuth
+//! and elevation and ±4 range cells at any range rate, where the skirts of its echo can
+//! cross the threshold; *clutter* is where its echo, with the skirts of beam and filter,
+//! rises to within 10 dB below noise, and as far as the CFAR window looks beyond its range.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use common::amplitude::Detector;
+use common::angle;
+use common::config::{ChainConfig, RadarConfig, Swerling};
+use common::geometry::{Polar, range_rate_mps};
+use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, Plot, PlotsHeader};
+use common::report::Detection;
+use common::truth::{TruthHeader, TruthTarget, VISIBLE};
+use common::units::{from_db, seconds_between};
+use nalgebra::Vector3;
+
+use super::path::ns;
+
+/// Axes of a plot, as named in the report.
+const AXES: [&str; 4] = ["range", "azimuth", "elevation", "range_rate"];
+/// A plot of a target is not farther than this on any axis, standard errors.
+const GATE_SIGMAS: f64 = 6.0;
+/// Nor than this, cells, if that is more.
+const GATE_CELLS: f64 = 1.5;
+/// A plot belongs to a target if it was made within this of its passage, scans.
+const TIME_GATE_SCANS: f64 = 0.1;
+/// Skirts of an echo in azimuth and elevation, rad.
+const SKIRT_RAD: f64 = 1.5 * std::f64::consts::PI / 180.0;
+/// Skirts of an echo in range, cells.
+const SKIRT_CELLS: f64 = 4.0;
+/// Clutter matters down to this far below noise, dB.
+const CLUTTER_MARGIN_DB: f64 = 10.0;
+/// Truth waits for plots no longer than this, scans.
+const LONGEST_WAIT_SCANS: usize = 60;
+
+/// The fold of truth and plots.
+#[derive(Debug)]
+pub struct PlotScore {
+    clutter: ClutterRegion,
+    swerling: Vec<Swerling>,
+    rate_span_mps: f64,
+    dopplers: f64,
+    pending: VecDeque<(TruthHeader, Vec<TruthTarget>)>,
+    plots: VecDeque<Candidate>,
+    plots_ns: u64,
+    last_header: Option<PlotsHeader>,
+    cells: f64,
+    counts: Counts,
+    expected: f64,
+    squares: [(f64, u64); 4],
+}
+
+#[derive(Debug, Default, Clone, Copy)]
+struct Counts {
+    plots: u64,
+    visible: u64,
+    detected: u64,
+    false_plots: u64,
+    false_cells: u64,
+}
+
+/// A plot that may still turn out to be a target's.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    plot: Plot,
+    of_target: bool,
+    near_target: bool,
+}
+
+impl PlotScore {
+    /// Nothing seen yet.
+    pub fn new(config: &ChainConfig) -> Self {
+        Self {
+            clutter: ClutterRegion::new(config),
+            swerling: config.sim.targets.iter().map(|target| target.swerling).collect(),
+            rate_span_mps: config.radar.range_rate_step_mps * f64::from(config.radar.dopplers),
+            dopplers: config.radar.dopplers.into(),
+            pending: VecDeque::new(),
+            plots: VecDeque::new(),
+            plots_ns: 0,
+            last_header: None,
+            cells: 0.0,
+            counts: Counts::default(),
+            expected: 0.0,
+            squares: [(0.0, 0); 4],
+        }
+    }
+
+    /// Takes the plots of a sector.
+    pub fn plots(&mut self, header: &PlotsHeader, plots: &[Plot]) {
+        self.counts.plots += plots.len() as u64;
+        if header.cells > 0 {
+            self.cells += header.cells as f64 * (1.0 - self.clutter.share);
+            let candidate = |&plot: &Plot| Candidate { plot, of_target: false, near_target: false };
+            self.plots.extend(plots.iter().map(candidate));
+            self.last_header = Some(*header);
+        }
+        self.plots_ns = self.plots_ns.max(header.time_ns);
+        while let Some((truth, _)) = self.pending.front() {
+            let settled_ns = truth.time_ns + ns(truth.scan_period_s * 0.5);
+            if self.plots_ns < settled_ns && self.pending.len() <= LONGEST_WAIT_SCANS {
+                break;
+            }
+            self.score_next();
+        }
+        if self.pending.is_empty() {
+            // Without truth nothing will ever claim or refuse a plot.
+            let needed_ns = self.plots_ns.saturating_sub(ns(header.scan_period_s * LONGEST_WAIT_SCANS as f64));
+            while self.plots.front().is_some_and(|candidate| candidate.plot.time_ns < needed_ns) {
+                self.plots.pop_front();
+            }
+        }
+    }
+
+    /// Takes the truth of a scan.
+    pub fn truth(&mut self, header: &TruthHeader, targets: &[TruthTarget]) {
+        self.pending.push_back((*header, targets.to_vec()));
+    }
+
+    /// Scores what is left, and the result.
+    pub fn finish(&mut self) -> Detection {
+        let with_truth = self.counts.visible > 0 || !self.pending.is_empty();
+        while !self.pending.is_empty() {
+            self.score_next();
+        }
+        self.settle(u64::MAX);
+        let counts = self.counts;
+        let pfa_set = self.last_header.map(|header| header.pfa).filter(|&pfa| pfa > 0.0);
+        let cells = self.cells.max(0.0);
+        let measured = with_truth && cells > 0.0;
+        let per_visible = |sum: f64| (counts.visible > 0).then(|| sum / counts.visible as f64);
+        let squares = AXES.iter().zip(self.squares).filter(|(_, (_, n))| *n > 0);
+        Detection {
+            cells: cells as u64,
+            false_alarm_cells: counts.false_cells,
+            pfa_set,
+            pfa_measured: measured.then(|| counts.false_cells as f64 / cells),
+            pfa_interval: measured.then(|| poisson_interval(counts.false_cells).map(|count| count / cells)),
+            pd_expected: pfa_set.and_then(|_| per_visible(self.expected)),
+            pd_measured: per_visible(counts.detected as f64),
+            plots: counts.plots,
+            false_plots: with_truth.then_some(counts.false_plots),
+            normalised_error_squared: squares
+                .map(|(name, (sum, n))| ((*name).to_string(), sum / n as f64))
+                .collect::<BTreeMap<_, _>>(),
+        }
+    }
+
+    fn score_next(&mut self) {
+        let Some((header, targets)) = self.pending.pop_front() else { return };
+        let Some(cells) = self.last_header else { return };
+        let time_gate_ns = ns(header.scan_period_s * TIME_GATE_SCANS);
+        for target in &targets {
+            self.score_target(target, &cells, time_gate_ns);
+        }
+        self.settle(header.time_ns.saturating_sub(time_gate_ns));
+    }
+
+    fn score_target(&mut self, target: &TruthTarget, cells: &PlotsHeader, time_gate_ns: u64) {
+        let mut best: Option<(f64, usize, [Option<f64>; 4])> = None;
+        for (index, candidate) in self.plots.iter_mut().enumerate() {
+            if candidate.plot.time_ns.abs_diff(target.time_ns) > time_gate_ns {
+                continue;
+            }
+            let offset = Offset::new(&candidate.plot, target, self.rate_span_mps);
+            candidate.near_target |= offset.within_skirts(cells);
+            if let Some(normalised) = offset.normalised(&candidate.plot, cells).filter(|_| !candidate.of_target) {
+                let distance = normalised.iter().flatten().map(|value| value * value).sum();
+                if best.is_none_or(|(nearest, _, _)| distance < nearest) {
+                    best = Some((distance, index, normalised));
+                }
+            }
+        }
+        if let Some((_, index, normalised)) = best {
+            self.plots[index].of_target = true;
+            for ((sum, n), error) in self.squares.iter_mut().zip(normalised) {
+                if let Some(error) = error {
+                    *sum += error * error;
+                    *n += 1;
+                }
+            }
+        }
+        if target.has(VISIBLE) {
+            self.counts.visible += 1;
+            self.counts.detected += u64::from(best.is_some());
+            self.cells -= skirt_cells(target, cells, self.dopplers);
+            let swerling = target.target_id.checked_sub(1).and_then(|index| self.swerling.get(index as usize));
+            if let (Some(&swerling), true) = (swerling, cells.pfa > 0.0) {
+                let snr = from_db(f64::from(target.snr_db));
+                let detector = Detector::new(cells.pfa, cells.reference_cells);
+                self.expected += detector.target(swerling, snr).detection_probability;
+            }
+        }
+    }
+
+    /// Counts the plots before `until_ns`: no target can claim them any more.
+    fn settle(&mut self, until_ns: u64) {
+        let Self { plots, counts, clutter, .. } = self;
+        plots.retain(|candidate| {
+            if candidate.plot.time_ns >= until_ns {
+                return true;
+            }
+            if !candidate.of_target && !candidate.near_target {
+                counts.false_plots += 1;
+                if !clutter.holds(&candidate.plot) {
+                    counts.false_cells += u64::from(candidate.plot.cell_count);
+                }
+            }
+            false
+        });
+    }
+}
+
+/// A plot minus a target at the time of the plot, by axis.
+struct Offset {
+    by_axis: [f64; 4],
+    elevated: bool,
+}
+
+impl Offset {
+    fn new(plot: &Plot, target: &TruthTarget, rate_span_mps: f64) -> Self {
+        let dt_s = seconds_between(target.time_ns, plot.time_ns);
+        let velocity = Vector3::from(target.velocity_mps());
+        let position = Vector3::from(target.position_m()) + velocity * dt_s;
+        let place = Polar::from_enu(&position);
+        let rate = plot.range_rate_mps - range_rate_mps(&position, &velocity);
+        let folded = if rate_span_mps > 0.0 { rate - rate_span_mps * (rate / rate_span_mps).round() } else { rate };
+        Self {
+            by_axis: [
+                plot.range_m - place.range_m,
+                angle::difference(plot.azimuth_rad, place.azimuth_rad),
+                plot.elevation_rad - place.elevation_rad,
+                folded,
+            ],
+            elevated: plot.has(HAS_ELEVATION),
+        }
+    }
+
+    fn within_skirts(&self, cells: &PlotsHeader) -> bool {
+        let [range, azimuth, elevation, _] = self.by_axis.map(f64::abs);
+        range <= SKIRT_CELLS * cells.cell_range_m && azimuth <= SKIRT_RAD && (!self.elevated || elevation <= SKIRT_RAD)
+    }
+
+    /// Errors over standard errors of the axes that the plot has; `None` if one is out of the gate.
+    fn normalised(&self, plot: &Plot, cells: &PlotsHeader) -> Option<[Option<f64>; 4]> {
+        let measured = [true, true, plot.has(HAS_ELEVATION), plot.has(HAS_RANGE_RATE)];
+        let sigmas = [plot.sigma_range_m, plot.sigma_azimuth_rad, plot.sigma_elevation_rad, plot.sigma_range_rate_mps];
+        let widths = [cells.cell_range_m, cells.cell_azimuth_rad, cells.cell_elevation_rad, cells.cell_range_rate_mps];
+        let mut normalised = [None; 4];
+        for axis in (0..4).filter(|&axis| measured[axis]) {
+            let sigma = f64::from(sigmas[axis]);
+            if self.by_axis[axis].abs() > (GATE_SIGMAS * sigma).max(GATE_CELLS * widths[axis]) {
+                return None;
+            }
+            normalised[axis] = Some(self.by_axis[axis] / sigma);
+        }
+        Some(normalised)
+    }
+}
+
+/// Cells near one target, as [`Offset::within_skirts`] counts them.
+fn skirt_cells(target: &TruthTarget, cells: &PlotsHeader, dopplers: f64) -> f64 {
+    let across = |half: f64, cell: f64| if cell > 0.0 { (2.0 * half / cell).round() + 1.0 } else { 1.0 };
+    let elevation = Polar::from_enu(&Vector3::from(target.position_m())).elevation_rad;
+    // Beams below the horizon do not exist.
+    let below = SKIRT_RAD.min(elevation.max(0.0));
+    let beams = across(0.5 * (SKIRT_RAD + below), cells.cell_elevation_rad);
+    across(SKIRT_RAD, cells.cell_azimuth_rad) * beams * (2.0 * SKIRT_CELLS + 1.0) * dopplers
+}
+
+/// Where ground clutter is: lowest beams, filters about zero, first ranges.
+#[derive(Debug)]
+struct ClutterRegion {
+    range_m: f64,
+    elevation_rad: f64,
+    range_rate_mps: f64,
+    /// Share of all cells that lies in it.
+    share: f64,
+}
+
+impl ClutterRegion {
+    fn new(config: &ChainConfig) -> Self {
+        let (radar, clutter) = (&config.radar, &config.sim.clutter);
+        if clutter.range_m <= 0.0 {
+            return Self { range_m: 0.0, elevation_rad: 0.0, range_rate_mps: 0.0, share: 0.0 };
+        }
+        // A Gaussian skirt of half-power width w is A dB down at w/2 · √(A / 3.01 dB).
+        let reach = |width: f64| 0.5 * width * ((clutter.cnr_db + CLUTTER_MARGIN_DB).max(0.0) / 3.01).sqrt();
+        let window = f64::from(config.extractor.guard_cells + config.extractor.reference_cells);
+        let mut region = Self {
+            range_m: clutter.range_m + window * radar.range_step_m,
+            elevation_rad: (reach(radar.beamwidth_elevation_deg) + radar.elevation_step_deg).to_radians(),
+            range_rate_mps: reach(radar.doppler_width_mps) + 0.5 * radar.range_rate_step_mps,
+            share: 0.0,
+        };
+        region.share = region.share_of(radar);
+        region
+    }
+
+    fn share_of(&self, radar: &RadarConfig) -> f64 {
+        let share = |count: u32, inside: &dyn Fn(f64) -> bool| {
+            (0..count).filter(|&index| inside(f64::from(index))).count() as f64 / f64::from(count)
+        };
+        let range = share(radar.ranges, &|cell| radar.range_first_m + radar.range_step_m * cell <= self.range_m);
+        let elevation = share(radar.elevations, &|beam| {
+            (radar.elevation_first_deg + radar.elevation_step_deg * beam).to_radians() <= self.elevation_rad
+        });
+        let rate = share(radar.dopplers, &|filter| {
+            (radar.range_rate_first_mps() + radar.range_rate_step_mps * filter).abs() <= self.range_rate_mps
+        });
+        range * elevation * rate
+    }
+
+    fn holds(&self, plot: &Plot) -> bool {
+        plot.range_m <= self.range_m
+            && plot.elevation_rad <= self.elevation_rad
+            && plot.range_rate_mps.abs() <= self.range_rate_mps
+    }
+}
+
+/// 95 % interval of the mean of a Poisson distribution from one count, by the cube-root
+/// approximation of Wilson and Hilferty to the χ² quantiles.
+fn poisson_interval(count: u64) -> [f64; 2] {
+    const Z: f64 = 1.959_964;
+    let bound = |n: f64, z: f64| n * (1.0 - 1.0 / (9.0 * n) + z / (3.0 * n.sqrt())).powi(3);
+    let n = count as f64;
+    [if count == 0 { 0.0 } else { bound(n, -Z) }, bound(n + 1.0, Z)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poisson_intervals_are_those_of_tables() {
+        for (count, low, high) in [(0, 0.0, 3.689), (1, 0.0253, 5.572), (10, 4.795, 18.39), (100, 81.36, 121.63)] {
+            let [below, above] = poisson_interval(count);
+            assert!((below - low).abs() < 0.02 + 0.002 * low, "{count}: {below}");
+            assert!((above - high).abs() < 0.01 * high, "{count}: {above}");
+        }
+    }
+
+    #[test]
+    fn without_clutter_all_cells_count() {
+        let mut config = ChainConfig::default();
+        config.sim.clutter.range_m = 0.0;
+        assert!(ClutterRegion::new(&config).share.abs() < 1e-12);
+        config.sim.clutter.range_m = 1000.0;
+        let share = ClutterRegion::new(&config).share;
+        assert!(share > 0.0 && share < 0.1, "{share}");
+    }
+}

@@ -1,0 +1,179 @@
+//! Live status: a block that is drawn again in a terminal, plain lines elsewhere.
+
+use std::fmt::Write as _;
+use std::io::{IsTerminal, Write as _};
+use std::time::{Duration, Instant};
+
+use common::config::{ChainConfig, Speed};
+use common::latency::LATENCY_NAMES;
+use common::services::{TOPIC_NAMES, Topic};
+use crossterm::cursor::MoveToPreviousLine;
+use crossterm::terminal::{Clear, ClearType, size};
+use crossterm::{QueueableCommand, execute};
+
+use crate::board::Board;
+
+/// Between two pictures in a terminal.
+const REDRAW: Duration = Duration::from_millis(250);
+/// Between two lines elsewhere.
+const LINE: Duration = Duration::from_secs(5);
+
+/// Where live status goes.
+#[derive(Debug)]
+pub(crate) struct Screen {
+    terminal: bool,
+    drawn_lines: u16,
+    last: Option<Instant>,
+}
+
+impl Screen {
+    /// Standard error, as a terminal or not.
+    pub(crate) fn new() -> Self {
+        Self { terminal: std::io::stderr().is_terminal(), drawn_lines: 0, last: None }
+    }
+
+    /// Shows the state of the chain if it is time to.
+    pub(crate) fn show(&mut self, chain: &ChainConfig, board: &Board) {
+        let pause = if self.terminal { REDRAW } else { LINE };
+        if board.is_empty() || self.last.is_some_and(|last| last.elapsed() < pause) {
+            return;
+        }
+        self.last = Some(Instant::now());
+        if self.terminal {
+            self.draw(&picture(chain, board));
+        } else {
+            eprintln!("{}", line(chain, board));
+        }
+    }
+
+    /// Writes a line for the user above the live status.
+    pub(crate) fn say(&mut self, text: &str) {
+        self.clear();
+        eprintln!("{text}");
+    }
+
+    /// Takes the live status away.
+    pub(crate) fn clear(&mut self) {
+        if self.drawn_lines > 0 {
+            let _ = execute!(std::io::stderr(), MoveToPreviousLine(self.drawn_lines), Clear(ClearType::FromCursorDown));
+            self.drawn_lines = 0;
+        }
+    }
+
+    fn draw(&mut self, picture: &str) {
+        let (columns, rows) = size().unwrap_or((80, 24));
+        let mut out = std::io::stderr().lock();
+        if self.drawn_lines > 0 {
+            let _ = out.queue(MoveToPreviousLine(self.drawn_lines));
+        }
+        let mut count = 0;
+        for text in picture.lines().take(usize::from(rows.saturating_sub(1))) {
+            // A line longer than the terminal would wrap and spoil the count of lines.
+            let cut: String = text.chars().take(usize::from(columns.saturating_sub(1))).collect();
+            let _ = out.queue(Clear(ClearType::CurrentLine)).and_then(|out| Ok(writeln!(out, "{cut}")?));
+            count += 1;
+        }
+        let _ = out.queue(Clear(ClearType::FromCursorDown));
+        let _ = out.flush();
+        self.drawn_lines = count;
+    }
+}
+
+/// What is going on, in a few words.
+struct Headline {
+    scan: u32,
+    plots: u32,
+    confirmed: u32,
+    alive: u32,
+}
+
+impl Headline {
+    fn of(board: &Board) -> Self {
+        let scan =
+            ["radar-sim", "plot-source"].iter().find_map(|source| board.of(source)).map_or(0, |health| health.scan);
+        let tracker = board.of("tracker").copied().unwrap_or_default();
+        let plots = board.of("plot-extractor").map_or(tracker.plots, |health| health.plots);
+        Self { scan, plots, confirmed: tracker.confirmed, alive: tracker.tracks }
+    }
+}
+
+fn scan_of(chain: &ChainConfig, scan: u32) -> String {
+    if chain.run.scans == 0 { format!("scan {}", scan + 1) } else { format!("scan {}/{}", scan + 1, chain.run.scans) }
+}
+
+/// One line of status.
+fn line(chain: &ChainConfig, board: &Board) -> String {
+    let now = Headline::of(board);
+    let mut text = format!(
+        "{}  {} plots  {} tracks confirmed, {} alive  {} lost",
+        scan_of(chain, now.scan),
+        now.plots,
+        now.confirmed,
+        now.alive,
+        board.lost()
+    );
+    if let Some(recorder) = board.of("recorder") {
+        let latency = recorder.latency[common::latency::Latency::EndToEnd as usize];
+        if latency.n > 0 {
+            let _ = write!(text, "  end to end p50 {:.0} µs, p99 {:.0} µs", latency.p50_us, latency.p99_us);
+        }
+    }
+    text
+}
+
+/// The whole status: headline, processes, latencies.
+pub(crate) fn picture(chain: &ChainConfig, board: &Board) -> String {
+    let now = Headline::of(board);
+    let speed = match chain.run.speed {
+        Speed::Max => "max".to_string(),
+        Speed::Times(factor) => format!("{factor}×"),
+    };
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{}  {}  {speed}  {}   {} plots a scan   {} tracks confirmed, {} alive   {} lost",
+        chain.site.name,
+        chain.run.mode.name(),
+        scan_of(chain, now.scan),
+        now.plots,
+        now.confirmed,
+        now.alive,
+        board.lost()
+    );
+    let _ = writeln!(
+        text,
+        "\n{:<16}{:>7}{:>10}{:>10}{:>14}{:>8}   lost",
+        "process", "CPU %", "MiB", "restarts", "sent", "rejected"
+    );
+    for (name, health, cpu_share) in board.all() {
+        let _ = write!(
+            text,
+            "{name:<16}{:>7.0}{:>10.1}{:>10}{:>14}{:>8}",
+            cpu_share * 100.0,
+            health.rss_bytes as f64 / (1 << 20) as f64,
+            health.restarts,
+            health.messages_out,
+            health.rejected.iter().sum::<u64>()
+        );
+        for topic in [Topic::Dwells, Topic::Plots, Topic::Tracks, Topic::Truth] {
+            let intake = health.intake[topic as usize];
+            if intake.received > 0 {
+                let _ = write!(text, "   {} {}", intake.lost, TOPIC_NAMES[topic as usize]);
+            }
+        }
+        text.push('\n');
+    }
+    if let Some(recorder) = board.of("recorder") {
+        let _ = writeln!(text, "\n{:<16}{:>9}{:>9}   budget", "latency µs", "p50", "p99");
+        for ((name, latency), budget) in LATENCY_NAMES.iter().zip(recorder.latency).zip(chain.budget.all()) {
+            if latency.n > 0 {
+                let _ = writeln!(
+                    text,
+                    "{name:<16}{:>9.0}{:>9.0}   p{} ≤ {:.0}, {} misses",
+                    latency.p50_us, latency.p99_us, budget.percentile, budget.limit_us, latency.misses
+                );
+            }
+        }
+    }
+    text
+}

@@ -1,0 +1,129 @@
+//! Keeps the processes of a chain running and ends them in order.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use common::config::ChainConfig;
+use common::process::{EXIT_BAD_USAGE, EXIT_FAILED};
+use rustix::process::Signal;
+
+use crate::board::Board;
+use crate::screen::Screen;
+use crate::stage::{Event, Stage, StageName};
+
+/// The processes of one chain.
+pub(crate) struct Supervisor {
+    chain: ChainConfig,
+    /// Effective configuration that the stages read.
+    file: PathBuf,
+    stages: Vec<Stage>,
+    /// When the source ended or was asked to.
+    ending_since: Option<Instant>,
+}
+
+/// How a supervised run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum End {
+    /// All processes ended in order; whether one of them found something broken.
+    Done { broken: bool },
+    /// One cannot work with its input or configuration, or failed for good: this exit code.
+    Failed(u8),
+}
+
+impl Supervisor {
+    /// Starts all processes of `chain`.
+    pub(crate) fn start(chain: &ChainConfig, file: PathBuf) -> anyhow::Result<Self> {
+        let mut this = Self { chain: chain.clone(), file, stages: Vec::new(), ending_since: None };
+        for &name in StageName::of(chain) {
+            match Stage::start(name, &this.file, &[], &chain.supervision) {
+                Ok(stage) => this.stages.push(stage),
+                Err(error) => {
+                    this.kill_all();
+                    return Err(error);
+                }
+            }
+        }
+        Ok(this)
+    }
+
+    /// Restarts of a process so far.
+    pub(crate) fn restarts(&self) -> u32 {
+        self.stages.iter().map(|stage| stage.restarts).sum()
+    }
+
+    /// Looks after the processes once; the end, if it has come.
+    pub(crate) fn step(&mut self, board: &Board, screen: &mut Screen) -> anyhow::Result<Option<End>> {
+        for index in 0..self.stages.len() {
+            let name = self.stages[index].name;
+            match self.stages[index].look(&self.chain.supervision)? {
+                Event::Nothing => {}
+                Event::Ended => {
+                    if name.is_source() {
+                        self.ending_since.get_or_insert_with(Instant::now);
+                    }
+                }
+                Event::Refused => return Ok(Some(End::Failed(EXIT_BAD_USAGE))),
+                Event::Died(signal) => {
+                    let cause = signal.map_or("with an error".to_string(), |signal| format!("by signal {signal}"));
+                    if self.stages[index].restarts >= self.chain.supervision.max_restarts {
+                        screen.say(&format!(
+                            "{} ended {cause}, after {} restarts: giving up",
+                            name.name(),
+                            self.stages[index].restarts
+                        ));
+                        return Ok(Some(End::Failed(EXIT_FAILED)));
+                    }
+                    screen.say(&format!("{} ended {cause}: starting it again", name.name()));
+                }
+                Event::Due => {
+                    let overrides = resume_at(&self.stages[index], board, &self.chain);
+                    self.stages[index].restart(&self.file, &overrides)?;
+                }
+            }
+        }
+        if self.stages.iter().all(Stage::has_ended) {
+            let broken = self.stages.iter().any(Stage::found_broken);
+            return Ok(Some(End::Done { broken }));
+        }
+        let drain = Duration::from_secs_f64(self.chain.supervision.drain_s);
+        if self.ending_since.is_some_and(|since| since.elapsed() > drain) {
+            for stage in self.stages.iter().filter(|stage| !stage.has_ended()) {
+                screen.say(&format!("{} has not ended within {} s", stage.name.name(), self.chain.supervision.drain_s));
+            }
+            return Ok(Some(End::Failed(EXIT_FAILED)));
+        }
+        Ok(None)
+    }
+
+    /// Asks the source to end at the next sector; the others follow by themselves.
+    pub(crate) fn stop(&mut self) {
+        if self.ending_since.is_none() {
+            self.ending_since = Some(Instant::now());
+            for stage in self.stages.iter().filter(|stage| stage.name.is_source()) {
+                stage.signal(Signal::TERM);
+            }
+        }
+    }
+
+    /// Ends all processes at once.
+    pub(crate) fn kill_all(&mut self) {
+        for stage in &mut self.stages {
+            stage.kill();
+        }
+    }
+}
+
+/// Where a restarted stage goes on: a source with the scan after the last one that
+/// anybody has seen, a tracker with numbers that no track has had.
+fn resume_at(stage: &Stage, board: &Board, chain: &ChainConfig) -> Vec<String> {
+    const TRACKS_PER_START: u64 = 1_000_000;
+    if stage.name.is_source() {
+        let seen = board.all().map(|(_, health, _)| health.scan).max();
+        vec![format!("run.first_scan={}", seen.map_or(chain.run.first_scan, |scan| scan + 1))]
+    } else if stage.name == StageName::Tracker {
+        let first = chain.run.first_track + TRACKS_PER_START * u64::from(stage.restarts + 1);
+        vec![format!("run.first_track={first}")]
+    } else {
+        Vec::new()
+    }
+}

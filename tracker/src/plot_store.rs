@@ -1,0 +1,102 @@
+//! Plots of the last turn and a half, ordered by the unwrapped angle of the beam.
+//!
+//! A track looks only at the plots between two angles, found by bisection.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use crate::measurement::Measurement;
+
+/// Plots older than this behind the newest are dropped, turns.
+const KEPT_TURNS: f64 = 1.6;
+
+/// What is known of a plot besides its measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entry {
+    /// Unwrapped angle, rad.
+    pub angle_rad: f64,
+    /// `seq` of its message.
+    pub seq: u64,
+    /// Index in its message.
+    pub index: u32,
+    /// How far confirmed tracks explain it: the largest association weight.
+    pub explained: f64,
+    /// The track that took it as its best plot, and by what weight.
+    pub owner: Option<(u64, f64)>,
+}
+
+/// The plots.
+#[derive(Debug, Default)]
+pub struct PlotStore {
+    entries: Vec<Entry>,
+    measurements: Vec<Measurement>,
+    /// Entries that have been settled (see [`PlotStore::settle`]).
+    settled: usize,
+}
+
+impl PlotStore {
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.entries.clear();
+        self.measurements.clear();
+        self.settled = 0;
+    }
+
+    /// Adds a plot at its place. Plots come nearly in order, so few are moved.
+    pub fn insert(&mut self, entry: Entry, measurement: Measurement) {
+        let mut place = self.entries.len();
+        while place > self.settled && precedes(&entry, &self.entries[place - 1]) {
+            place -= 1;
+        }
+        self.entries.insert(place, entry);
+        self.measurements.insert(place, measurement);
+    }
+
+    /// Drops plots that no track or start can still ask for. Moves the rest only when much is to be dropped.
+    pub fn drop_before(&mut self, covered_to_rad: f64) {
+        let oldest = covered_to_rad - KEPT_TURNS * TAU;
+        let gone = self.entries.partition_point(|entry| entry.angle_rad < oldest).min(self.settled);
+        if gone > 64 && gone * 3 > self.entries.len() {
+            self.entries.drain(..gone);
+            self.measurements.drain(..gone);
+            self.settled -= gone;
+        }
+    }
+
+    /// Indices of the plots from one angle to another.
+    pub fn between(&self, from_rad: f64, to_rad: f64) -> Range<usize> {
+        let from = self.entries.partition_point(|entry| entry.angle_rad < from_rad);
+        let to = self.entries.partition_point(|entry| entry.angle_rad <= to_rad);
+        from..to.max(from)
+    }
+
+    /// Measurements of a range of indices.
+    pub fn measurements(&self, range: Range<usize>) -> &[Measurement] {
+        &self.measurements[range]
+    }
+
+    /// Entry at an index.
+    pub fn entry(&self, index: usize) -> &Entry {
+        &self.entries[index]
+    }
+
+    /// Entry at an index, to be marked.
+    pub fn entry_mut(&mut self, index: usize) -> &mut Entry {
+        &mut self.entries[index]
+    }
+
+    /// The next plot before `angle_rad` about which all tracks have had their say; each is returned once.
+    pub fn settle(&mut self, angle_rad: f64) -> Option<usize> {
+        let index = self.settled;
+        let ready = self.entries.get(index).is_some_and(|entry| entry.angle_rad < angle_rad);
+        ready.then(|| {
+            self.settled += 1;
+            index
+        })
+    }
+}
+
+/// Order of plots; the last two keys make it independent of the order of arrival.
+fn precedes(a: &Entry, b: &Entry) -> bool {
+    (a.angle_rad, a.seq, a.index) < (b.angle_rad, b.seq, b.index)
+}

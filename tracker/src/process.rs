@@ -1,0 +1,110 @@
+//! The process `tracker`: takes plots, publishes the tracks of each sector.
+
+use std::process::ExitCode;
+
+use anyhow::Context;
+use common::health::{Reject, Rejected};
+use common::ipc::{Flow, Station, attend};
+use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, TRUNCATED};
+use common::plots::PlotsHeader;
+use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
+use common::services::{MAX_TRACKS, Plots, Topic, Tracks};
+use common::time::monotonic_ns;
+use common::tracks::{Track, TracksHeader};
+
+use crate::{Taken, Tracker};
+
+/// Name of the process.
+pub const NAME: &str = "tracker";
+
+/// Runs the process until the stream ends or it is asked to stop.
+///
+/// # Errors
+/// Configuration or shared memory.
+pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
+    let chain = args.load()?;
+    let mut tracker = Tracker::new(&chain.tracker, chain.run.first_track)?;
+    let station = Station::enter(NAME, &chain)?;
+    let publisher = station.publisher::<Tracks>(MAX_TRACKS, 1)?;
+    let wake = station.wake(Topic::Plots)?;
+    let plots = station.subscriber::<Plots>()?;
+    let session = new_session();
+    let mut reporter = HealthReporter::new(&station, NAME, session)?;
+    let mut rejected = Rejected::default();
+    let mut tracks = Vec::with_capacity(MAX_TRACKS);
+    let mut plots_of_scan = 0;
+
+    attend(&[&wake], || -> anyhow::Result<Flow> {
+        while let Some(message) = plots.receive()? {
+            let received_ns = monotonic_ns();
+            let taken = tracker.take(message.header(), message.elements(), &mut tracks);
+            let mut header = header_of(message.header(), &taken, received_ns);
+            keep_what_fits(&mut tracks, &mut header);
+            let published = publisher.publish(&header, &tracks, |header| {
+                header.session = session;
+                header.stamps.tracks_out_ns = monotonic_ns();
+            });
+            published.context("publishing tracks")?;
+
+            for (sum, count) in rejected.0.iter_mut().zip(taken.rejected.0) {
+                *sum += count;
+            }
+            rejected.0[Reject::Full as usize] += u64::from(header.left_out);
+            let health = &mut reporter.health;
+            plots_of_scan += message.elements().len() as u32;
+            if header.has(END_OF_SCAN) {
+                health.plots = std::mem::take(&mut plots_of_scan);
+            }
+            health.scan = header.scan;
+            health.messages_out += 1;
+            health.elements_out += tracks.len() as u64;
+            health.tracks = taken.alive;
+            health.confirmed = taken.confirmed;
+            health.ended = u32::from(header.has(END_OF_STREAM));
+            if health.ended == 1 {
+                break;
+            }
+        }
+        let ended = reporter.health.ended == 1;
+        if ended || reporter.is_due() {
+            reporter.health.intake[Topic::Plots as usize] = plots.intake();
+            reporter.health.rejected = rejected.0;
+            reporter.publish()?;
+        }
+        // Asked to stop, it still works off what is sent until the last plots.
+        let abandoned = stop_requested() && plots.publishers() == 0;
+        Ok(if ended || abandoned { Flow::End } else { Flow::Wait })
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Header of the tracks that the plots under `plots` have brought up to date.
+pub fn header_of(plots: &PlotsHeader, taken: &Taken, received_ns: u64) -> TracksHeader {
+    let mut stamps = plots.stamps;
+    stamps.tracker_in_ns = received_ns;
+    TracksHeader {
+        seq: plots.seq,
+        time_ns: plots.time_ns,
+        lineage: Lineage { session: plots.session, first_seq: plots.seq, last_seq: plots.seq, taken: 1 },
+        stamps,
+        scan: plots.scan,
+        sector: plots.sector,
+        sectors_per_scan: plots.sectors_per_scan,
+        flags: plots.flags & (END_OF_SCAN | END_OF_STREAM),
+        alive: taken.alive,
+        confirmed: taken.confirmed,
+        rejected: taken.rejected.total() as u32,
+        source_id: plots.source_id,
+        ..TracksHeader::default()
+    }
+}
+
+/// Leaves tentative tracks out first where a message cannot hold all.
+fn keep_what_fits(tracks: &mut Vec<Track>, header: &mut TracksHeader) {
+    if tracks.len() > MAX_TRACKS {
+        header.left_out = (tracks.len() - MAX_TRACKS) as u32;
+        header.flags |= TRUNCATED;
+        tracks.sort_by_key(|track| !track.is_confirmed());
+        tracks.truncate(MAX_TRACKS);
+    }
+}

@@ -1,0 +1,190 @@
+//! One track between two passages of the beam.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use common::angle;
+use common::config::TrackerConfig;
+use common::tracks::{GATE_NONE, Track};
+use common::units::seconds_between;
+
+use crate::gate::{Gate, Radar};
+use crate::imm::{Imm, transition};
+use crate::life::{Amplitude, Life};
+use crate::measurement::Expected;
+use crate::motion::{MODES, Motion};
+use crate::sweep::{Sweep, shift};
+
+/// What the last scan did, for the message.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LastScan {
+    /// `GATE_…`.
+    pub gate_code: u32,
+    /// V, m³·m/s.
+    pub gate_volume: f64,
+    /// Plots in the gate.
+    pub plots_in_gate: u32,
+    /// Weight of "none".
+    pub weight_none: f64,
+    /// Weight of the best plot.
+    pub weight_best: f64,
+    /// `seq` and index of the best plot.
+    pub best_plot: (u64, u32),
+    /// Modes in whose gate it lies.
+    pub best_plot_gates: u32,
+}
+
+impl LastScan {
+    /// A scan without a plot.
+    pub const EMPTY: Self = Self {
+        gate_code: GATE_NONE,
+        gate_volume: 0.0,
+        plots_in_gate: 0,
+        weight_none: 1.0,
+        weight_best: 0.0,
+        best_plot: (0, u32::MAX),
+        best_plot_gates: 0,
+    };
+}
+
+/// Prediction for the next passage of the beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Passage {
+    /// u*, P*, W*.
+    pub prediction: Imm,
+    /// When the beam will pass.
+    pub time_ns: u64,
+    /// Unwrapped beam angle at that time.
+    pub angle_rad: f64,
+    /// Half width of the gates in azimuth, about that angle.
+    pub half_width_rad: f64,
+}
+
+impl Passage {
+    /// Angle at which all plots of the gates have arrived.
+    pub fn due_rad(&self) -> f64 {
+        self.angle_rad + self.half_width_rad
+    }
+}
+
+/// A track.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LiveTrack {
+    /// Its number.
+    pub id: u64,
+    /// û, P̂, W at `time_ns`.
+    pub posterior: Imm,
+    /// Time of the last passage.
+    pub time_ns: u64,
+    /// Unwrapped beam angle of the last passage.
+    pub angle_rad: f64,
+    /// Plots up to this angle have been offered to the track: none is offered twice.
+    pub searched_to_rad: f64,
+    /// The passage to come.
+    pub next: Passage,
+    /// Existence and counts.
+    pub life: Life,
+    /// Signal-to-noise ratio.
+    pub amplitude: Amplitude,
+    /// For the message.
+    pub last_scan: LastScan,
+    /// The track whose best plot was also this one's, and in how many scans running.
+    pub shared: Option<(u64, u32)>,
+}
+
+/// How tracks move, from the configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kinematics {
+    /// Process noise and dimension.
+    pub motion: Motion,
+    /// Probability of staying in a mode for 1 s.
+    pub stay: f64,
+    /// α.
+    pub alpha: f64,
+}
+
+impl Kinematics {
+    /// From the configuration, for a radar.
+    pub fn new(config: &TrackerConfig, radar: &Radar) -> Self {
+        let noise = [config.hover_noise_mps, config.velocity_noise_mps2, config.manoeuvre_noise_mps3];
+        let motion = Motion { noise, axes: if radar.measured[2] { 3 } else { 2 } };
+        Self { motion, stay: config.stay_probability, alpha: config.gate_alpha }
+    }
+
+    /// Predicts `posterior`, valid at `time_ns` when the beam stood at `angle_rad`, to its passage in about
+    /// `turns` turns.
+    ///
+    /// The beam meets the target where both are; two steps of a fixed point suffice, as targets move slowly
+    /// in azimuth, and where they do not (above the antenna) azimuth means little.
+    pub fn passage(
+        &self,
+        posterior: &Imm,
+        time_ns: u64,
+        angle_rad: f64,
+        turns: f64,
+        sweep: &Sweep,
+        radar: &Radar,
+    ) -> Passage {
+        let mean = posterior.mixture();
+        let (position, velocity) = (mean.position(), mean.velocity());
+        let now_rad = position[0].atan2(position[1]);
+        let mut change_rad = 0.0;
+        for _ in 0..2 {
+            let after_s = sweep.period_s() * (turns + change_rad / TAU);
+            let (x, y) = (position[0] + velocity[0] * after_s, position[1] + velocity[1] * after_s);
+            change_rad = angle::difference(x.atan2(y), now_rad);
+        }
+        // The last passage was at the expected azimuth, not quite at the estimated one.
+        let offset_rad = angle::difference(now_rad, angle_rad);
+        let next_rad = angle_rad + turns * TAU + (offset_rad + change_rad).clamp(-PI, PI);
+        let step_s = sweep.period_s() * (next_rad - angle_rad) / TAU;
+        self.at(posterior, time_ns, shift(time_ns, step_s), next_rad, radar)
+    }
+
+    /// Predicts to a given time and beam angle.
+    pub fn at(&self, posterior: &Imm, from_ns: u64, to_ns: u64, angle_rad: f64, radar: &Radar) -> Passage {
+        let step_s = seconds_between(from_ns, to_ns).max(0.0);
+        let prediction = posterior.predict(&transition(self.stay, step_s), &self.motion, step_s);
+        let mut half_width_rad: f64 = 0.0;
+        for mode in 0..MODES {
+            let gate = Gate::new(&Expected::new(mode, &prediction.modes[mode]), radar, self.alpha);
+            let shift_rad = angle::difference(gate.centre[1], angle_rad).abs();
+            half_width_rad = half_width_rad.max(shift_rad + gate.half[1] * GATE_MARGIN);
+        }
+        Passage { prediction, time_ns: to_ns, angle_rad, half_width_rad: half_width_rad.min(FRAC_PI_2) }
+    }
+}
+
+/// Plots may have larger errors than the nominal ones.
+const GATE_MARGIN: f64 = 1.3;
+
+impl LiveTrack {
+    /// The message of this track.
+    pub fn message(&self) -> Track {
+        let (state, covariance) = self.posterior.mixture().to_message();
+        let (mode_state, mode_covariance) = self.posterior.modes[self.posterior.most_probable()].to_message();
+        Track {
+            time_ns: self.time_ns,
+            id: self.id,
+            state,
+            mode_state,
+            covariance,
+            mode_covariance,
+            mode_probability: self.posterior.probability,
+            existence: self.life.existence,
+            gate_volume: self.last_scan.gate_volume,
+            weight_none: self.last_scan.weight_none,
+            weight_best: self.last_scan.weight_best,
+            best_plot_seq: self.last_scan.best_plot.0,
+            best_plot_index: self.last_scan.best_plot.1,
+            plots_in_gate: self.last_scan.plots_in_gate,
+            state_code: self.life.state,
+            gate_code: self.last_scan.gate_code,
+            best_plot_gates: self.last_scan.best_plot_gates,
+            age_scans: self.life.age,
+            hits: self.life.hits,
+            misses: self.life.misses,
+            snr_db: self.amplitude.snr_db() as f32,
+            reserved: 0,
+        }
+    }
+}

@@ -1,0 +1,477 @@
+//! The tracker: one call per `plots` message, the tracks brought up to date by it.
+//!
+//! ```text
+//!  plots of a sector ─▶ store, ordered by beam angle
+//!  every track whose gates the beam has passed: gate ─▶ associate ─▶ update ─▶ existence ─▶ predict its next passage
+//!  every plot that no confirmed track can still claim: clutter map, pair with last turn ─▶ tentative track
+//! ```
+//!
+//! A track is processed once per passage of the beam, as soon as the upper azimuth edge of its gates is
+//! covered. All angles are unwrapped ([`crate::sweep`]), so north is no special place. Nothing here
+//! depends on the time of day, on threads or on the order of plots in a message.
+
+use std::f64::consts::TAU;
+
+use common::amplitude::Detector;
+use common::config::{ConfigError, TrackerConfig};
+use common::health::{Reject, Rejected};
+use common::message::END_OF_STREAM;
+use common::plots::{Plot, PlotsHeader};
+use common::tracks::{TENTATIVE, TERMINATED, Track};
+use common::units::seconds_between;
+
+use crate::association::{Rules, Surroundings};
+use crate::clutter_map::ClutterMap;
+use crate::gate::{Gate, Radar};
+use crate::initiation::Reach;
+use crate::life::{Amplitude, Life};
+use crate::measurement::{COORDINATES, Expected, Measurement};
+use crate::motion::MODES;
+use crate::plot_store::{Entry, PlotStore};
+use crate::start::two_plots;
+use crate::sweep::{Continuation, Sweep};
+use crate::track::{Kinematics, LastScan, LiveTrack};
+use crate::update::{Outcome, Workspace, update};
+
+/// Mode probabilities of a new track.
+const START_PROBABILITY: [f64; MODES] = [0.33, 0.34, 0.33];
+/// Weight of "none" above which a scan counts as one without a plot.
+const MISS_WEIGHT: f64 = 0.5;
+/// Association weight with a confirmed track from which a plot starts no new one.
+const EXPLAINED: f64 = 0.2;
+/// Scans in which two tracks share their best plot before one of them goes.
+const SHARED_SCANS: u32 = 3;
+/// Squared distance of two tracks' velocities, in standard deviations, below which they may be one.
+const SAME_VELOCITY: f64 = 9.0;
+/// A prediction is renewed if the beam will pass this much earlier or later than it was made for, s.
+const TIMING_S: f64 = 0.02;
+/// Cells tested per false plot where the radar does not say: its plots are not the result of a known threshold.
+const UNKNOWN_PFA: f64 = 1e-6;
+
+/// What became of one message.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub struct Taken {
+    /// Input that was not used, by reason.
+    pub rejected: Rejected,
+    /// Tracks alive, of any state.
+    pub alive: u32,
+    /// Of these confirmed or coasting.
+    pub confirmed: u32,
+}
+
+/// What is known of the radar from its headers.
+#[derive(Debug)]
+struct Site {
+    radar: Radar,
+    detector: Detector,
+    kinematics: Kinematics,
+    clutter: ClutterMap,
+}
+
+/// The tracker of one radar.
+#[derive(Debug)]
+pub struct Tracker {
+    config: TrackerConfig,
+    rules: Rules,
+    reach: Reach,
+    sweep: Sweep,
+    plots: PlotStore,
+    site: Option<Site>,
+    /// By ascending id.
+    tracks: Vec<LiveTrack>,
+    next_id: u64,
+    /// Indices of the tracks due, reused.
+    due: Vec<usize>,
+    workspace: Workspace,
+}
+
+impl Tracker {
+    /// An empty tracker; track numbers count from `first_id`.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range.
+    pub fn new(config: &TrackerConfig, first_id: u64) -> Result<Self, ConfigError> {
+        config.check()?;
+        Ok(Self {
+            config: config.clone(),
+            rules: Rules::new(config),
+            reach: Reach { speed_mps: config.start_speed_mps, acceleration_mps2: config.manoeuvre_noise_mps3 },
+            sweep: Sweep::default(),
+            plots: PlotStore::default(),
+            site: None,
+            tracks: Vec::new(),
+            next_id: first_id,
+            due: Vec::new(),
+            workspace: Workspace::default(),
+        })
+    }
+
+    /// Takes the plots of one sector and replaces `tracks` by the tracks that it brought up to date:
+    /// processed, started, or ended (once, as `TERMINATED`).
+    pub fn take(&mut self, header: &PlotsHeader, plots: &[Plot], tracks: &mut Vec<Track>) -> Taken {
+        let mut taken = Taken::default();
+        tracks.clear();
+        if !is_possible(header) {
+            taken.rejected.count(Reject::BadHeader);
+            return self.counted(taken);
+        }
+        match self.sweep.advance(header) {
+            Continuation::Onwards => {}
+            Continuation::Late => {
+                plots.iter().for_each(|_| taken.rejected.count(Reject::Late));
+                return self.counted(taken);
+            }
+            Continuation::Anew => {
+                self.plots.clear();
+                self.end_all(tracks);
+            }
+        }
+        self.learn_radar(header);
+        let Some(mut site) = self.site.take() else { return self.counted(taken) };
+        let covered_rad = self.sweep.covered_to_rad();
+        for (index, plot) in plots.iter().enumerate() {
+            match Measurement::from_plot(plot) {
+                Some(measurement) => {
+                    let angle_rad = self.sweep.unwrap(header, plot.azimuth_rad);
+                    let entry =
+                        Entry { angle_rad, seq: header.seq, index: index as u32, explained: 0.0, owner: None };
+                    self.plots.insert(entry, measurement);
+                }
+                None => taken.rejected.count(Reject::BadPlot),
+            }
+        }
+        let ended = header.has(END_OF_STREAM);
+        self.process_due(covered_rad, ended, &mut site, tracks);
+        self.start_tracks(covered_rad, &mut site, tracks);
+        self.plots.drop_before(covered_rad);
+        self.tracks.retain(|track| track.life.state != TERMINATED);
+        self.site = Some(site);
+        self.counted(taken)
+    }
+
+    /// Tracks alive.
+    pub fn alive(&self) -> &[LiveTrack] {
+        &self.tracks
+    }
+
+    fn counted(&self, mut taken: Taken) -> Taken {
+        taken.alive = self.tracks.len() as u32;
+        taken.confirmed = self.tracks.iter().filter(|track| track.life.is_confirmed()).count() as u32;
+        taken
+    }
+
+    /// Ends every track: measurement time went back.
+    fn end_all(&mut self, tracks: &mut Vec<Track>) {
+        for mut track in self.tracks.drain(..) {
+            track.life.state = TERMINATED;
+            tracks.push(track.message());
+        }
+    }
+
+    /// Cells and threshold of the radar; a change of them begins a new clutter map.
+    fn learn_radar(&mut self, header: &PlotsHeader) {
+        let cell = [
+            header.cell_range_m,
+            header.cell_azimuth_rad,
+            header.cell_elevation_rad,
+            header.cell_range_rate_mps,
+        ];
+        let measured = [true, true, header.cell_elevation_rad > 0.0, header.cell_range_rate_mps > 0.0];
+        let pfa = if header.pfa > 0.0 { header.pfa } else { UNKNOWN_PFA };
+        let same = |site: &Site| {
+            site.radar.cell == cell
+                && site.detector.pfa.to_bits() == pfa.to_bits()
+                && site.detector.reference_cells == header.reference_cells
+        };
+        if self.site.as_ref().is_some_and(same) {
+            return;
+        }
+        // Errors are uniform within a cell (C1); plots carry their own.
+        let radar = Radar { variance: cell.map(|cell| cell * cell / 12.0), cell, measured };
+        self.site = Some(Site {
+            radar,
+            detector: Detector::new(pfa, header.reference_cells),
+            kinematics: Kinematics::new(&self.config, &radar),
+            clutter: ClutterMap::new(
+                radar,
+                self.config.clutter_floor.max(header.pfa),
+                self.config.clutter_map_scans,
+            ),
+        });
+    }
+
+    /// Processes the tracks whose gates the beam has passed, in the order in which it did. At the end of the
+    /// stream those follow whose target was passed, as nothing more will come.
+    fn process_due(&mut self, covered_rad: f64, ended: bool, site: &mut Site, tracks: &mut Vec<Track>) {
+        self.due.clear();
+        for (index, track) in self.tracks.iter().enumerate() {
+            let reached = if ended { track.next.angle_rad } else { track.next.due_rad() };
+            if reached <= covered_rad {
+                self.due.push(index);
+            }
+        }
+        let (due, all) = (&mut self.due, &self.tracks);
+        due.sort_unstable_by(|&a, &b| {
+            all[a].next.due_rad().total_cmp(&all[b].next.due_rad()).then(all[a].id.cmp(&all[b].id))
+        });
+        for position in 0..self.due.len() {
+            let index = self.due[position];
+            if self.tracks[index].life.state == TERMINATED {
+                continue;
+            }
+            self.process(index, covered_rad, site);
+            tracks.push(self.tracks[index].message());
+            self.merge_duplicate(index, tracks);
+        }
+    }
+
+    /// One passage of one track.
+    fn process(&mut self, index: usize, covered_rad: f64, site: &mut Site) {
+        let Self { config, rules, sweep, plots, tracks, workspace, .. } = self;
+        let track = &mut tracks[index];
+        // Whole turns may have been lost: the passage that counts is the last one covered.
+        let lost_turns = ((covered_rad - track.next.due_rad()) / TAU).floor();
+        if lost_turns >= 1.0 {
+            track.next.angle_rad += lost_turns * TAU;
+        }
+        let beam_ns = sweep.time_at(track.next.angle_rad);
+        if seconds_between(track.next.time_ns, beam_ns).abs() > TIMING_S {
+            let angle_rad = track.next.angle_rad;
+            track.next = site.kinematics.at(&track.posterior, track.time_ns, beam_ns, angle_rad, &site.radar);
+        }
+        let passage = track.next;
+        let seen = sweep.has_seen(passage.angle_rad);
+        let turn = (passage.angle_rad / TAU).max(0.0) as u32;
+        let clutter = &site.clutter;
+        let statistics = track.amplitude.statistics();
+        let surroundings = Surroundings {
+            radar: &site.radar,
+            detection_probability: if site.detector.reference_cells > 0 || statistics_known(site) {
+                statistics.detection_probability.min(config.detection_probability)
+            } else {
+                config.detection_probability
+            },
+            target: Some(statistics),
+            density: |polar: &[f64; COORDINATES]| clutter.density(polar, turn),
+        };
+        let from_rad = (passage.angle_rad - passage.half_width_rad).max(track.searched_to_rad);
+        let to_rad = passage.due_rad();
+        let range = plots.between(from_rad, to_rad);
+        let offered = plots.measurements(range.clone());
+        let outcome = update(&passage.prediction, passage.time_ns, offered, &surroundings, rules, workspace);
+        let turns = ((passage.angle_rad - track.angle_rad) / TAU).round().max(1.0) as u32;
+        if turns > 1 {
+            track.life.pass(turns - 1);
+        }
+        track.time_ns = passage.time_ns;
+        track.angle_rad = passage.angle_rad;
+        track.searched_to_rad = to_rad;
+        if seen || outcome.plots_in_gate > 0 {
+            let hit = outcome.weight_none < MISS_WEIGHT;
+            track.posterior = outcome.posterior;
+            track.life.observe(outcome.existence_ratio, hit, config);
+        } else {
+            track.posterior = passage.prediction;
+            track.life.pass(1);
+        }
+        track.last_scan = last_scan(&outcome, &passage.prediction.modes, offered, &site.radar, plots, range.start);
+        for (candidate, weights) in workspace.candidates.iter().zip(&workspace.weights) {
+            let weight: f64 = (0..MODES).map(|j| track.posterior.probability[j] * weights[j]).sum();
+            let power = offered[candidate.plot].power;
+            if offered[candidate.plot].has_power {
+                track.amplitude.learn(power, weight, config, &site.detector);
+            }
+        }
+        let confirmed = track.life.is_confirmed();
+        if confirmed {
+            for (candidate, weights) in workspace.candidates.iter().zip(&workspace.weights) {
+                let weight: f64 = (0..MODES).map(|j| track.posterior.probability[j] * weights[j]).sum();
+                let entry = plots.entry_mut(range.start + candidate.plot);
+                entry.explained = entry.explained.max(weight);
+            }
+        }
+        note_shared_plot(track, &outcome, plots, range.start);
+        let (time_ns, angle_rad) = (track.time_ns, track.angle_rad);
+        track.next = site.kinematics.passage(&track.posterior, time_ns, angle_rad, 1.0, sweep, &site.radar);
+        if !track.next.prediction.is_sound() {
+            track.life.state = TERMINATED;
+        }
+    }
+
+    /// Ends the weaker of two tracks that have followed the same plots for some scans.
+    fn merge_duplicate(&mut self, index: usize, tracks: &mut Vec<Track>) {
+        let Some((other_id, scans)) = self.tracks[index].shared else { return };
+        let Ok(other) = self.tracks.binary_search_by_key(&other_id, |track| track.id) else { return };
+        let (a, b) = (&self.tracks[index], &self.tracks[other]);
+        if b.life.state == TERMINATED || a.life.state == TERMINATED {
+            return;
+        }
+        let needed = if a.life.is_confirmed() && b.life.is_confirmed() { SHARED_SCANS } else { SHARED_SCANS - 1 };
+        if scans < needed || velocity_distance(a, b) > SAME_VELOCITY {
+            return;
+        }
+        let rank = |track: &LiveTrack| (track.life.is_confirmed(), track.life.hits, std::cmp::Reverse(track.id));
+        let weaker = if rank(a) < rank(b) { index } else { other };
+        self.tracks[weaker].life.state = TERMINATED;
+        let message = self.tracks[weaker].message();
+        match tracks.iter_mut().find(|track| track.id == message.id) {
+            Some(track) => *track = message,
+            None => tracks.push(message),
+        }
+    }
+
+    /// Settles the plots that no confirmed track can still claim; those not explained feed the clutter map and,
+    /// paired with one of the turn before, start tentative tracks.
+    fn start_tracks(&mut self, covered_rad: f64, site: &mut Site, tracks: &mut Vec<Track>) {
+        let claimed_from = self
+            .tracks
+            .iter()
+            .filter(|track| track.life.is_confirmed())
+            .map(|track| track.next.angle_rad - track.next.half_width_rad)
+            .fold(covered_rad, f64::min);
+        while let Some(index) = self.plots.settle(claimed_from) {
+            let entry = *self.plots.entry(index);
+            let last = self.plots.measurements(index..index + 1)[0];
+            let turn = (entry.angle_rad / TAU).max(0.0) as u32;
+            site.clutter.observe(&last, 1.0 - entry.explained, turn);
+            if entry.explained > EXPLAINED || entry.owner.is_some() {
+                continue;
+            }
+            let Some((previous, step_s)) = self.partner(&last, entry.angle_rad) else { continue };
+            let posterior = two_plots(&previous, &last, step_s, &site.kinematics.motion, START_PROBABILITY);
+            if !posterior.is_sound() {
+                continue;
+            }
+            let mut amplitude = Amplitude::prior(&self.config, &site.detector);
+            for plot in [&previous, &last].into_iter().filter(|plot| plot.has_power) {
+                amplitude.learn(plot.power, 1.0, &self.config, &site.detector);
+            }
+            let id = self.next_id;
+            self.next_id += 1;
+            let (time_ns, angle_rad) = (last.time_ns, entry.angle_rad);
+            self.plots.entry_mut(index).owner = Some((id, 1.0));
+            let track = LiveTrack {
+                id,
+                posterior,
+                time_ns,
+                angle_rad,
+                searched_to_rad: angle_rad,
+                next: site.kinematics.passage(&posterior, time_ns, angle_rad, 1.0, &self.sweep, &site.radar),
+                life: Life::start(&self.config),
+                amplitude,
+                last_scan: LastScan {
+                    weight_none: 0.0,
+                    weight_best: 1.0,
+                    plots_in_gate: 1,
+                    best_plot: (entry.seq, entry.index),
+                    ..LastScan::EMPTY
+                },
+                shared: None,
+            };
+            tracks.push(track.message());
+            self.tracks.push(track);
+        }
+    }
+
+    /// The best plot of the turn before for a start, and the time between the two.
+    fn partner(&self, last: &Measurement, angle_rad: f64) -> Option<(Measurement, f64)> {
+        let reach_rad = self.reach.azimuth_rad(last, self.sweep.period_s() * 1.5);
+        let range = self.plots.between(angle_rad - TAU - reach_rad, angle_rad - TAU + reach_rad);
+        let mut best: Option<(f64, usize, f64)> = None;
+        for (index, previous) in range.clone().zip(self.plots.measurements(range)) {
+            let step_s = seconds_between(previous.time_ns, last.time_ns);
+            if step_s < 0.25 * self.sweep.period_s() || self.plots.entry(index).explained > EXPLAINED {
+                continue;
+            }
+            if let Some(misfit) = self.reach.misfit(previous, last, step_s)
+                && best.is_none_or(|(least, ..)| misfit < least)
+            {
+                best = Some((misfit, index, step_s));
+            }
+        }
+        best.map(|(_, index, step_s)| (self.plots.measurements(index..index + 1)[0], step_s))
+    }
+}
+
+/// Whether plots of this radar have a decision statistic with a known threshold.
+fn statistics_known(site: &Site) -> bool {
+    site.detector.pfa > UNKNOWN_PFA || site.detector.pfa < UNKNOWN_PFA
+}
+
+/// What a message says of the scan.
+fn last_scan(
+    outcome: &Outcome,
+    prediction: &[crate::state::Gaussian; MODES],
+    offered: &[Measurement],
+    radar: &Radar,
+    plots: &PlotStore,
+    first: usize,
+) -> LastScan {
+    let mut scan = LastScan {
+        gate_code: outcome.selection.gate_code,
+        gate_volume: outcome.selection.volume,
+        plots_in_gate: outcome.plots_in_gate as u32,
+        weight_none: outcome.weight_none,
+        ..LastScan::EMPTY
+    };
+    if let Some((best, weight)) = outcome.best {
+        let entry = plots.entry(first + best);
+        scan.weight_best = weight;
+        scan.best_plot = (entry.seq, entry.index);
+        for (mode, prediction) in prediction.iter().enumerate() {
+            let gate = Gate::new(&Expected::new(mode, prediction), radar, outcome.selection.gate.alpha);
+            let offset = gate.offset(&offered[best], &[0.0; COORDINATES]);
+            scan.best_plot_gates |= u32::from(gate.holds(&offset, &offered[best])) << mode;
+        }
+    }
+    scan
+}
+
+/// Takes the best plot as the track's own, and notes whose it already was.
+fn note_shared_plot(track: &mut LiveTrack, outcome: &Outcome, plots: &mut PlotStore, first: usize) {
+    let own = outcome.best.filter(|(_, weight)| *weight > MISS_WEIGHT);
+    let Some((best, weight)) = own else {
+        track.shared = None;
+        return;
+    };
+    let entry = plots.entry_mut(first + best);
+    match entry.owner {
+        Some((owner, _)) if owner != track.id => {
+            let scans = track.shared.filter(|(other, _)| *other == owner).map_or(0, |(_, scans)| scans);
+            track.shared = Some((owner, scans + 1));
+        }
+        _ => {
+            entry.owner = Some((track.id, weight));
+            track.shared = None;
+        }
+    }
+}
+
+/// Squared difference of two tracks' velocities in standard deviations of both, per axis and summed.
+fn velocity_distance(a: &LiveTrack, b: &LiveTrack) -> f64 {
+    let (a, b) = (a.posterior.mixture(), b.posterior.mixture());
+    (3..6)
+        .map(|i| {
+            let variance = a.covariance[crate::state::at(i, i)] + b.covariance[crate::state::at(i, i)];
+            let difference = a.mean[i] - b.mean[i];
+            if variance > 0.0 { difference * difference / variance } else { 0.0 }
+        })
+        .sum()
+}
+
+/// Whether a header can be worked with.
+fn is_possible(header: &PlotsHeader) -> bool {
+    let within = |value: f64, low: f64, high: f64| value >= low && value <= high;
+    within(header.scan_period_s, 1e-3, 1e4)
+        && within(header.covered_from_rad, -TAU, 2.0 * TAU)
+        && within(header.covered_to_rad, header.covered_from_rad, 2.0 * TAU)
+        && within(header.cell_range_m, 1e-3, 1e6)
+        && within(header.cell_azimuth_rad, 1e-6, TAU)
+        && within(header.cell_elevation_rad, 0.0, TAU)
+        && within(header.cell_range_rate_mps, 0.0, 1e6)
+        && within(header.pfa, 0.0, 0.5)
+        && header.sectors_per_scan > 0
+        && header.sector < header.sectors_per_scan
+}
+
+const _: () = assert!(TENTATIVE == 0);

@@ -1,0 +1,225 @@
+//! The measurement update of all modes with all candidates (T8), (T14)-(T16).
+//!
+//! With B = P* Hᵀ, d_m = y_m − h(u*), y_m = D_m⁻¹ d_m, the moments of the mixture over
+//! "none" and every plot are
+//! ```text
+//! û = u* + B ȳ,   ȳ = Σ_m w_m y_m                                                (T14)
+//! P̂ = P* + B M Bᵀ,   M = Σ_m w_m (y_m y_mᵀ − D_m⁻¹) − ȳ ȳᵀ
+//! W_j ∝ W*_j L_j                                                                  (T15)
+//! ```
+//! This is (T14) with the spread terms, rearranged so that a plot costs 4×4 work whatever the
+//! number of states, and P̂ is symmetric by construction. D_m depends on the plot's own errors; it is
+//! factored once for successive plots that share them.
+
+use common::config::Association;
+
+use crate::association::{Candidate, Rules, Selection, Surroundings, select, weigh};
+use crate::imm::Imm;
+use crate::measurement::{COORDINATES, Expected, Likelihood, Measurement, PACKED_4};
+use crate::motion::{DIMENSIONS, MODES};
+use crate::state::{Gaussian, at};
+
+/// Room for one update, reused: nothing is allocated per scan once it has grown.
+#[derive(Debug, Default)]
+pub struct Workspace {
+    /// Plots in the gate.
+    pub candidates: Vec<Candidate>,
+    /// w_jm by candidate, then mode.
+    pub weights: Vec<[f64; MODES]>,
+}
+
+/// What one scan did to a track.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// û_j, P̂_j, W_j.
+    pub posterior: Imm,
+    /// The gate that was used.
+    pub selection: Selection,
+    /// Plots in it.
+    pub plots_in_gate: usize,
+    /// L_j: b_j + Σ_m e_jm λ_m, or the density of the one neighbour.
+    pub mode_likelihood: [f64; MODES],
+    /// w_j0: weight of "none of them".
+    pub mode_none: [f64; MODES],
+    /// Likelihood ratio "there is a target" to "there is none" (T18).
+    pub existence_ratio: f64,
+    /// Σ_j W_j w_j0.
+    pub weight_none: f64,
+    /// Index of the plot of largest Σ_j W_j w_jm among those offered, and that weight.
+    pub best: Option<(usize, f64)>,
+}
+
+/// One scan of one track: gate, association and update of a prediction made for `time_ns`.
+///
+/// | argument       | symbol            | unit                      |
+/// |----------------|-------------------|---------------------------|
+/// | `prediction`   | u*_j, P*_j, W*_j  | m, m/s, m/s²              |
+/// | `plots`        | y_m, σ_m, q_m     | m, rad, m/s               |
+/// | `surroundings` | D, λ, ρ_c         | 1/(m³·m/s)                |
+///
+/// Without a plot in the gate the prediction is kept and only W_j changes. The same holds for a mode
+/// whose D is not positive definite.
+pub fn update<F: Fn(&[f64; COORDINATES]) -> f64>(
+    prediction: &Imm,
+    time_ns: u64,
+    plots: &[Measurement],
+    surroundings: &Surroundings<'_, F>,
+    rules: &Rules,
+    workspace: &mut Workspace,
+) -> Outcome {
+    let expected: [Expected; MODES] = std::array::from_fn(|j| Expected::new(j, &prediction.modes[j]));
+    let Workspace { candidates, weights } = workspace;
+    let selection = select(prediction, &expected, time_ns, plots, surroundings.radar, rules, candidates);
+    let plots_in_gate = candidates.len();
+    let density = weigh(&selection, surroundings, plots, rules, candidates);
+    let hard = matches!(rules.association, Association::Nearest | Association::Strongest);
+    let d = surroundings.detection_probability;
+    let missed = selection.probability.map(|p_g| 1.0 - d * p_g);
+
+    let mut posterior = *prediction;
+    weights.clear();
+    weights.resize(candidates.len(), [0.0; MODES]);
+    let mut mode_likelihood = missed;
+    let mut ln_likelihood = [0.0; MODES];
+    let mut mode_none = [1.0; MODES];
+    let mut existence_ratio = 0.0;
+    for j in 0..MODES {
+        if candidates.is_empty() {
+            existence_ratio += prediction.probability[j] * missed[j];
+            ln_likelihood[j] = missed[j].ln();
+            continue;
+        }
+        let none = if hard { 0.0 } else { density * missed[j] / d };
+        let sums = Sums::over(candidates, plots, &expected[j], rules.inflation, hard, |m, weight| weights[m][j] = weight);
+        let total = none + sums.weight;
+        mode_likelihood[j] = if hard { sums.ln_best.exp() } else { total };
+        ln_likelihood[j] = if hard { sums.ln_best } else { total.ln() };
+        existence_ratio += prediction.probability[j]
+            * if hard { missed[j] + d * sums.ln_best.exp() * candidates[0].ratio / density } else { total * d / density };
+        if total > 0.0 && total.is_finite() {
+            mode_none[j] = none / total;
+            for weight in weights.iter_mut() {
+                weight[j] /= total;
+            }
+            sums.apply(1.0 / total, &expected[j], DIMENSIONS[j], &mut posterior.modes[j]);
+        } else {
+            mode_likelihood[j] = none;
+            weights.iter_mut().for_each(|weight| weight[j] = 0.0);
+        }
+    }
+    reweight(&mut posterior.probability, ln_likelihood);
+    if !posterior.is_sound() {
+        posterior = *prediction; // better an old state than a broken one
+    }
+    let mixed = |weight: &[f64; MODES]| (0..MODES).map(|j| posterior.probability[j] * weight[j]).sum::<f64>();
+    let mut best: Option<(usize, f64)> = None;
+    for (candidate, weight) in candidates.iter().zip(weights.iter()) {
+        let weight = mixed(weight);
+        if best.is_none_or(|(_, most)| weight > most) {
+            best = Some((candidate.plot, weight));
+        }
+    }
+    Outcome {
+        posterior,
+        selection,
+        plots_in_gate,
+        mode_likelihood,
+        mode_none,
+        existence_ratio,
+        weight_none: mixed(&mode_none),
+        best,
+    }
+}
+
+/// W_j ∝ W*_j L_j (T15); unchanged where no mode explains anything.
+fn reweight(probability: &mut [f64; MODES], ln_likelihood: [f64; MODES]) {
+    let largest = ln_likelihood.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if !largest.is_finite() {
+        return;
+    }
+    let scaled: [f64; MODES] = std::array::from_fn(|j| probability[j] * (ln_likelihood[j] - largest).exp());
+    let total: f64 = scaled.iter().sum();
+    if total > 0.0 && total.is_finite() {
+        *probability = scaled.map(|w| w / total);
+    }
+}
+
+/// Sums over the candidates of one mode, not yet normalised.
+struct Sums {
+    /// Σ_m e_m λ_m (1 for a hard decision).
+    weight: f64,
+    /// Σ_m e_m λ_m y_m.
+    y: [f64; COORDINATES],
+    /// Σ_m e_m λ_m (y_m y_mᵀ − D_m⁻¹), packed.
+    spread: [f64; PACKED_4],
+    /// ln e of the last candidate: the only one of a hard decision.
+    ln_best: f64,
+}
+
+impl Sums {
+    fn over(
+        candidates: &[Candidate],
+        plots: &[Measurement],
+        expected: &Expected,
+        inflation: f64,
+        hard: bool,
+        mut note: impl FnMut(usize, f64),
+    ) -> Self {
+        let mut sums =
+            Self { weight: 0.0, y: [0.0; COORDINATES], spread: [0.0; PACKED_4], ln_best: f64::NEG_INFINITY };
+        let mut factored: Option<(usize, Likelihood)> = None;
+        for (m, candidate) in candidates.iter().enumerate() {
+            let plot = &plots[candidate.plot];
+            let likelihood = match factored {
+                Some((same, likelihood)) if shares_errors(&plots[same], plot) => likelihood,
+                _ => match expected.likelihood(plot, inflation) {
+                    Some(likelihood) => likelihood,
+                    None => continue,
+                },
+            };
+            factored = Some((candidate.plot, likelihood));
+            let d = expected.innovation(plot, candidate.offset_s);
+            let y = likelihood.solve(d);
+            let ln_e = likelihood.ln_peak - 0.5 * (d[0] * y[0] + d[1] * y[1] + d[2] * y[2] + d[3] * y[3]);
+            let weight = if hard { 1.0 } else { ln_e.exp() * candidate.ratio };
+            note(m, weight);
+            sums.ln_best = ln_e;
+            sums.weight += weight;
+            for b in 0..COORDINATES {
+                let scaled = weight * y[b];
+                sums.y[b] += scaled;
+                for a in 0..=b {
+                    sums.spread[at(a, b)] += scaled * y[a] - weight * likelihood.inverse[at(a, b)];
+                }
+            }
+        }
+        sums
+    }
+
+    /// Adds B ȳ to the mean and B M Bᵀ to the covariance of the leading `n` states.
+    fn apply(&self, scale: f64, expected: &Expected, n: usize, state: &mut Gaussian) {
+        let y = self.y.map(|sum| sum * scale);
+        let mut spread = self.spread;
+        for b in 0..COORDINATES {
+            for a in 0..=b {
+                spread[at(a, b)] = spread[at(a, b)] * scale - y[a] * y[b];
+            }
+        }
+        let (b, s) = (&expected.cross, &spread);
+        for j in 0..n {
+            let row = b[j];
+            state.mean[j] += row[0] * y[0] + row[1] * y[1] + row[2] * y[2] + row[3] * y[3];
+            let moved = Likelihood { inverse: *s, ln_peak: 0.0 }.solve(row);
+            for i in 0..=j {
+                let other = b[i];
+                state.covariance[at(i, j)] +=
+                    other[0] * moved[0] + other[1] * moved[1] + other[2] * moved[2] + other[3] * moved[3];
+            }
+        }
+    }
+}
+
+/// Whether two plots have the same D.
+fn shares_errors(a: &Measurement, b: &Measurement) -> bool {
+    a.variance == b.variance && a.measured == b.measured
+}

@@ -1,0 +1,343 @@
+//! Every case of `tests/golden/imm_pda` (or of the folder `GOLDEN_DIR`), to |a − b| ≤ 1e-9 (1 + |b|).
+//!
+//! The files come from an independent reference program (see `golden/README.md`). Their frame has x north
+//! and y east; here x is east. Their power statistic is normalised to known noise.
+
+use std::cell::Cell;
+use std::path::{Path, PathBuf};
+
+use common::amplitude::Detector;
+use common::config::{Association, Clutter, GateRule, Swerling};
+use common::geometry::Polar;
+use common::tracks;
+use nalgebra::{SMatrix, SVector};
+use serde_json::Value;
+use tracker::association::{Rules, Surroundings};
+use tracker::gate::{Gate, Radar, own_probability};
+use tracker::imm::Imm;
+use tracker::measurement::{COORDINATES, Expected, LineOfSight, Measurement, position_covariance};
+use tracker::motion::{MANOEUVRE, MODES, Motion};
+use tracker::start;
+use tracker::state::{Gaussian, at};
+use tracker::update::{Workspace, update};
+
+const STATE: usize = 9;
+/// Our axis (east, north, up) of each axis of the files.
+const AXIS: [usize; 3] = [1, 0, 2];
+
+#[test]
+fn every_case_agrees() {
+    let files = golden_files();
+    assert!(!files.is_empty(), "no golden case found");
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("readable");
+        let case: Value = serde_json::from_str(&text).expect("JSON");
+        let check = Check { file: file.display().to_string() };
+        match case["op"].as_str() {
+            Some("meas_cov") => check.measurement_covariance(&case),
+            Some("h_H_gate") => check.measurement_function(&case),
+            Some("init") => check.start(&case),
+            Some("amp") => check.amplitude(&case),
+            Some("scan") => check.scan(&case),
+            other => panic!("{}: unknown op {other:?}", file.display()),
+        }
+    }
+}
+
+fn golden_files() -> Vec<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
+    let parent = std::env::var_os("GOLDEN_DIR").map_or(own, PathBuf::from);
+    let folder = if parent.join("imm_pda").is_dir() { parent.join("imm_pda") } else { parent };
+    let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut files: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("readable folder").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
+        .collect();
+    files.sort();
+    files
+}
+
+struct Check {
+    file: String,
+}
+
+impl Check {
+    fn close(&self, what: &str, ours: f64, golden: f64) {
+        let limit = 1e-9 * (1.0 + golden.abs());
+        assert!((ours - golden).abs() <= limit, "{}: {what}: {ours:e}, expected {golden:e}", self.file);
+    }
+
+    fn all_close(&self, what: &str, ours: &[f64], golden: &Value) {
+        let golden = numbers(golden);
+        assert_eq!(ours.len(), golden.len(), "{}: {what}: length", self.file);
+        for (index, (a, b)) in ours.iter().zip(golden).enumerate() {
+            self.close(&format!("{what}[{index}]"), *a, b);
+        }
+    }
+
+    fn same_gaussian(&self, what: &str, ours: &Gaussian, mean: &Value, covariance: &Value) {
+        let (our_mean, our_covariance) = ours.to_message();
+        for (i, golden) in numbers(mean).into_iter().enumerate() {
+            self.close(&format!("{what} mean {i}"), our_mean[place(i)], golden);
+        }
+        for (i, row) in array(covariance).iter().enumerate() {
+            for (j, golden) in numbers(row).into_iter().enumerate() {
+                let value = our_covariance[tracks::pack(place(i), place(j))];
+                self.close(&format!("{what} covariance {i},{j}"), value, golden);
+            }
+        }
+    }
+
+    fn same_imm(&self, what: &str, ours: &Imm, golden: &Value) {
+        for j in 0..MODES {
+            self.same_gaussian(&format!("{what} mode {j}"), &ours.modes[j], &golden["u"][j], &golden["P"][j]);
+        }
+        self.all_close(&format!("{what} W"), &ours.probability, &golden["W"]);
+        self.same_gaussian(&format!("{what} mixture"), &ours.mixture(), &golden["mean"], &golden["cov"]);
+    }
+
+    fn measurement_covariance(&self, case: &Value) {
+        let sigma = numbers(&case["cfg"]["sig"]);
+        for (k, place) in array(&case["in"]["r_beta_eps"]).iter().enumerate() {
+            let place = numbers(place);
+            let place = Polar { range_m: place[0], azimuth_rad: place[1], elevation_rad: place[2] };
+            let frame = LineOfSight::at(place.to_enu().into());
+            let ours = position_covariance(&frame, [sigma[0].powi(2), sigma[1].powi(2), sigma[2].powi(2)]);
+            for i in 0..COORDINATES {
+                let mut row = [0.0; COORDINATES];
+                for (j, value) in row.iter_mut().enumerate() {
+                    *value = match (i, j) {
+                        (3, 3) => sigma[3].powi(2),
+                        (3, _) | (_, 3) => 0.0,
+                        _ => ours[at(AXIS[i], AXIS[j])],
+                    };
+                }
+                self.all_close(&format!("R {k} row {i}"), &row, &case["out"]["R"][k][i]);
+            }
+        }
+    }
+
+    fn measurement_function(&self, case: &Value) {
+        let radar = radar(&case["cfg"]);
+        for k in 0..array(&case["in"]["u"]).len() {
+            let gaussian = gaussian(&case["in"]["u"][k], &case["in"]["P"][k]);
+            let expected = Expected::new(MANOEUVRE, &gaussian);
+            let p = expected.position;
+            self.all_close("h", &[p[1], p[0], p[2], expected.range_rate], &case["out"]["h"][k]);
+            let mut rows = [[0.0; STATE]; COORDINATES];
+            for axis in 0..3 {
+                rows[axis][3 * axis] = 1.0;
+                rows[3][3 * axis] = expected.range_rate_gradient[AXIS[axis]];
+                rows[3][3 * axis + 1] = expected.frame.radial[AXIS[axis]];
+            }
+            for (i, row) in rows.iter().enumerate() {
+                self.all_close(&format!("H row {i}"), row, &case["out"]["H"][k][i]);
+            }
+            let gate = Gate::new(&expected, &radar, 1.0);
+            self.gate_centre(&gate, &case["out"]["centre"][k]);
+            self.all_close("innovation sd", &gate.half, &case["out"]["innov_sd"][k]);
+        }
+    }
+
+    fn gate_centre(&self, gate: &Gate, golden: &Value) {
+        let golden_azimuth = number(&golden[1]);
+        let mut centre = gate.centre;
+        centre[1] = golden_azimuth + common::angle::difference(centre[1], golden_azimuth);
+        self.all_close("gate centre", &centre, golden);
+    }
+
+    fn start(&self, case: &Value) {
+        let cfg = &case["cfg"];
+        let previous = measurement(&case["in"]["plot_prev"], cfg);
+        let last = measurement(&case["in"]["plot_last"], cfg);
+        let probability = numbers(&cfg["W0"]).try_into().expect("three modes");
+        let imm = start::two_plots(&previous, &last, number(&cfg["T"]), &motion(cfg), probability);
+        self.same_imm("start", &imm, &case["out"]);
+    }
+
+    fn amplitude(&self, case: &Value) {
+        for (k, row) in array(&case["out"]["rows"]).iter().enumerate() {
+            let cells = row.get("N").or(row.get("reference_cells")).and_then(Value::as_u64).unwrap_or(0);
+            let detector = Detector::new(number(&row["F"]), u32::try_from(cells).expect("small"));
+            let snr = common::units::from_db(number(&row["snr_db"]));
+            let target = detector.target(swerling(&row["swerling"]), snr);
+            self.close(&format!("row {k}: D"), target.detection_probability, number(&row["D"]));
+            let ours: Vec<f64> = numbers(&row["w"]).into_iter().map(|q| target.likelihood_ratio(q)).collect();
+            self.all_close(&format!("row {k}: λ"), &ours, &row["lr"]);
+        }
+    }
+
+    fn scan(&self, case: &Value) {
+        let (cfg, input, output) = (&case["cfg"], &case["in"], &case["out"]);
+        assert_ne!(cfg["use_Fi"], true, "{}: F of the source mode is not implemented", self.file);
+        assert_ne!(cfg["r_text"], true, "{}: the printed R is not implemented", self.file);
+        assert!(cfg["volume"].is_null() || cfg["volume"] == "4d", "{}: volume {}", self.file, cfg["volume"]);
+        let before = Imm {
+            modes: std::array::from_fn(|j| gaussian(&input["u"][j], &input["P"][j])),
+            probability: numbers(&input["W"]).try_into().expect("three modes"),
+        };
+        let step_s = number(&cfg["T"]);
+        let transition = std::array::from_fn(|i| numbers(&cfg["Pi"][i]).try_into().expect("three modes"));
+        let prediction = before.predict(&transition, &motion(cfg), step_s);
+        self.same_imm("predicted", &prediction, &output["predicted"]);
+
+        let radar = radar(cfg);
+        let rules = rules(cfg, &input["method"]);
+        if rules.gate_probability.is_none() && !rules.gate_probability_by_mode {
+            self.close("P_G", own_probability(rules.alpha, 4), number(&cfg["P_G"]));
+        }
+        let plots: Vec<Measurement> = array(&input["plots"]).iter().map(|plot| measurement(plot, cfg)).collect();
+        let pfa = number(&input["F"]);
+        let target = Detector::new(pfa, 0).target(swerling(&cfg["swerling"]), number(&input["snr"]));
+        // The files take one density for the whole gate, that at its centre, which is asked for first.
+        let at_centre = Cell::new(None);
+        let cells: f64 = radar.cell.iter().product();
+        let density = |polar: &[f64; COORDINATES]| {
+            let value = at_centre.get().unwrap_or(pfa / cells / (polar[0] * polar[0] * polar[2].cos()));
+            at_centre.set(Some(value));
+            value
+        };
+        let surroundings = Surroundings {
+            radar: &radar,
+            detection_probability: target.detection_probability,
+            target: Some(&target),
+            density,
+        };
+        let mut workspace = Workspace::default();
+        let outcome = update(&prediction, 0, &plots, &surroundings, &rules, &mut workspace);
+
+        let golden = &output["assoc"];
+        let selection = &outcome.selection;
+        if let Some(mode) = golden["gate_model"].as_u64() {
+            assert_eq!(selection.mode as u64, mode, "{}: gate model", self.file);
+        }
+        if golden["gate_centre"].is_array() {
+            self.gate_centre(&selection.gate, &golden["gate_centre"]);
+            self.all_close("gate half widths", &selection.gate.half, &golden["gate_half"]);
+        }
+        if golden["gate_volume_cart"].is_number() {
+            self.close("V", selection.volume, number(&golden["gate_volume_cart"]));
+            let in_cells: f64 = (0..COORDINATES).map(|i| 2.0 * selection.gate.half[i] / radar.cell[i]).product();
+            self.close("U", in_cells, number(&golden["gate_cells_U"]));
+        }
+        self.close("D", target.detection_probability, number(&golden["D"]));
+        assert_eq!(outcome.plots_in_gate, array(&golden["in_gate"]).len(), "{}: plots in gate", self.file);
+        if golden["amp_lr_in_gate"].is_array() {
+            let ours: Vec<f64> = numbers(&golden["in_gate"])
+                .into_iter()
+                .map(|index| target.likelihood_ratio(plots[index as usize].power))
+                .collect();
+            self.all_close("λ", &ours, &golden["amp_lr_in_gate"]);
+        }
+        if golden["weights"].is_array() {
+            let chosen: Vec<f64> = workspace.candidates.iter().map(|candidate| candidate.plot as f64).collect();
+            self.all_close("in gate", &chosen, &golden["in_gate"]);
+            for j in 0..MODES {
+                let mut ours = vec![outcome.mode_none[j]];
+                ours.extend(workspace.weights.iter().map(|weight| weight[j]));
+                self.all_close(&format!("weights of mode {j}"), &ours, &golden["weights"][j]);
+            }
+        }
+        if let Some(chosen) = golden["chosen"].as_u64() {
+            assert_eq!(outcome.best.map(|(plot, _)| plot as u64), Some(chosen), "{}: chosen", self.file);
+        }
+        if golden["L"].is_array() {
+            self.all_close("L", &outcome.mode_likelihood, &golden["L"]);
+        }
+        self.same_imm("updated", &outcome.posterior, &output["updated"]);
+    }
+}
+
+/// Where element `i` of the files' state stands in the order of messages.
+fn place(i: usize) -> usize {
+    3 * AXIS[i / 3] + i % 3
+}
+
+fn gaussian(mean: &Value, covariance: &Value) -> Gaussian {
+    let (golden_mean, mut m) = (numbers(mean), SVector::<f64, STATE>::zeros());
+    let mut p = SMatrix::<f64, STATE, STATE>::zeros();
+    for i in 0..STATE {
+        m[place(i)] = golden_mean[i];
+        for (j, value) in numbers(&covariance[i]).into_iter().enumerate() {
+            p[(place(i), place(j))] = value;
+        }
+    }
+    Gaussian::from_message_order(&m, &p)
+}
+
+fn measurement(plot: &Value, cfg: &Value) -> Measurement {
+    let (plot, sigma) = (numbers(plot), numbers(&cfg["sig"]));
+    let place = Polar { range_m: plot[0], azimuth_rad: plot[1], elevation_rad: plot[2] };
+    Measurement {
+        time_ns: 0,
+        position: place.to_enu().into(),
+        polar: [plot[0], plot[1], plot[2], plot[3]],
+        variance: std::array::from_fn(|i| sigma[i] * sigma[i]),
+        power: plot.get(4).copied().unwrap_or(0.0),
+        measured: [true; COORDINATES],
+        has_power: true,
+    }
+}
+
+fn radar(cfg: &Value) -> Radar {
+    let sigma = numbers(&cfg["sig"]);
+    Radar {
+        variance: std::array::from_fn(|i| sigma[i] * sigma[i]),
+        cell: std::array::from_fn(|i| sigma[i] * 2.0 * 3.0_f64.sqrt()),
+        measured: [true; COORDINATES],
+    }
+}
+
+fn motion(cfg: &Value) -> Motion {
+    Motion { noise: numbers(&cfg["a"]).try_into().expect("three modes"), axes: 3 }
+}
+
+fn rules(cfg: &Value, method: &Value) -> Rules {
+    let gate_rule = match cfg.get("gate_rule").and_then(Value::as_str) {
+        None | Some("most-probable" | "max") => GateRule::MostProbable,
+        Some("manoeuvre") => GateRule::Manoeuvre,
+        Some("union") => GateRule::Union,
+        Some(other) => panic!("unknown gate rule {other}"),
+    };
+    Rules {
+        gate_rule,
+        alpha: number(&cfg["alpha"]),
+        union_probability: 0.0,
+        gate_probability_by_mode: cfg["pg_model"] == true,
+        gate_probability: cfg["pg_const"].as_f64(),
+        association: match method.as_str() {
+            Some("pda_amp") => Association::PdaStatistics,
+            Some("pda" | "pda_noamp" | "pda_no_amp" | "pda_plain") => Association::Pda,
+            Some("nn") => Association::Nearest,
+            Some("sn") => Association::Strongest,
+            other => panic!("unknown method {other:?}"),
+        },
+        clutter: match cfg["clutter"].as_str() {
+            Some("nonpar") => Clutter::NonParametric,
+            Some("par") => Clutter::Parametric,
+            other => panic!("unknown clutter model {other:?}"),
+        },
+        inflation: number(&cfg["gamma"]),
+    }
+}
+
+fn swerling(value: &Value) -> Swerling {
+    match value.as_u64() {
+        Some(0) => Swerling::Zero,
+        Some(1) => Swerling::One,
+        Some(3) => Swerling::Three,
+        other => panic!("unknown Swerling case {other:?}"),
+    }
+}
+
+fn array(value: &Value) -> &[Value] {
+    value.as_array().unwrap_or_else(|| panic!("an array, not {value}"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("a number, not {value}"))
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    array(value).iter().map(number).collect()
+}
