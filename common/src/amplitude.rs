@@ -69,6 +69,12 @@ impl Detector {
         self.gamma_1(q, 1.0).ln_density.exp()
     }
 
+    /// Mean of q − t₀ over false alarms: 1 for known noise, (N + t₀)/(N − 1) for CA-CFAR.
+    pub fn noise_mean_excess(&self) -> f64 {
+        let n = f64::from(self.reference_cells);
+        if self.reference_cells < 2 { 1.0 } else { (n + self.threshold) / (n - 1.0) }
+    }
+
     /// The same detector before a target of mean signal-to-noise ratio `snr` (power ratio ≥ 0).
     pub fn target(&self, swerling: Swerling, snr: f64) -> TargetStatistics {
         let mut target = TargetStatistics { detector: *self, swerling, snr, detection_probability: 1.0, ln_scale: 0.0 };
@@ -167,6 +173,25 @@ impl TargetStatistics {
     /// λ(q) of (C5), at most [`MAX_RATIO`].
     pub fn likelihood_ratio(&self, q: f64) -> f64 {
         (self.ln_ratio(q) + self.ln_scale).exp().min(MAX_RATIO)
+    }
+
+    /// λ(q) against clutter whose power above the threshold has the mean excess `mean_excess`
+    /// over it, instead of noise alone:
+    ///
+    /// ```text
+    /// [f_S(q)/D] / max( f_N(q)/F,  e^(−(q − t₀)/m)/m )
+    /// ```
+    ///
+    /// The larger of the two densities is the cautious one: spiky clutter then proves nothing. `mean_excess` 0 stands
+    /// for noise.
+    pub fn likelihood_ratio_in_clutter(&self, q: f64, mean_excess: f64) -> f64 {
+        let ln_ratio = self.ln_ratio(q) + self.ln_scale;
+        if mean_excess <= 0.0 {
+            return ln_ratio.exp().min(MAX_RATIO);
+        }
+        let ln_noise = self.detector.gamma_1(q, 1.0).ln_density - self.detector.pfa.ln();
+        let ln_clutter = -(q - self.detector.threshold) / mean_excess - mean_excess.ln();
+        (ln_ratio + (ln_noise - ln_clutter).min(0.0)).exp().min(MAX_RATIO)
     }
 
     /// Swerling 0: D = Σ_k Poisson(k; S) P(I ≤ k), where I counts the noise events before the
@@ -300,6 +325,15 @@ mod tests {
     }
 
     #[test]
+    fn mean_excess_of_false_alarms() {
+        for cells in [0, 16, 32] {
+            let detector = Detector::new(1e-4, cells);
+            let mean = integral(|q| (q - detector.threshold) * detector.noise_density(q), detector.threshold, 1.0);
+            assert_relative_eq!(mean / detector.pfa, detector.noise_mean_excess(), max_relative = 1e-6);
+        }
+    }
+
+    #[test]
     fn factor_of_sixteen_cells() {
         // 16 ((1e-4)^(-1/16) - 1) by hand: 1e-4^(-1/16) = 10^0.25.
         assert_relative_eq!(ca_cfar_factor(16, 1e-4), 16.0 * (10.0_f64.powf(0.25) - 1.0), max_relative = 1e-14);
@@ -322,6 +356,13 @@ mod tests {
             prop_assert!(d >= detector.pfa * (1.0 - 1e-9), "a target is not harder to detect than noise: {d}");
             let ratio = target.likelihood_ratio(detector.threshold + ln_q.exp());
             prop_assert!(ratio.is_finite() && ratio >= 0.0, "λ {ratio}");
+        }
+
+        #[test]
+        fn clutter_never_speaks_for_a_target(q in 14.0..300.0_f64, mean_excess in 1.0..30.0_f64) {
+            let target = Detector::new(1e-6, 32).target(Swerling::One, 50.0);
+            let (noise, clutter) = (target.likelihood_ratio(q), target.likelihood_ratio_in_clutter(q, mean_excess));
+            prop_assert!(clutter <= noise && clutter >= 0.0);
         }
 
         #[test]

@@ -68,5 +68,6 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         let abandoned = stop_requested() && dwells.publishers() == 0;
         Ok(if ended || abandoned { Flow::End } else { Flow::Wait })
     })?;
+    publisher.linger();
     Ok(ExitCode::SUCCESS)
 }

@@ -72,6 +72,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
                 reporter.publish()?;
             }
             if last != 0 {
+                plots.linger();
                 return Ok(ExitCode::SUCCESS);
             }
         }

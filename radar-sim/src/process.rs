@@ -67,6 +67,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
                 reporter.publish()?;
             }
             if header.flags & END_OF_STREAM != 0 {
+                dwells.linger();
                 return Ok(ExitCode::SUCCESS);
             }
         }

@@ -235,7 +235,7 @@ mod tests {
     fn snr_follows_the_radar_equation() {
         let scene = scene([0.0, 1000.0, 100.0], [0.0, 0.0, 0.0]);
         let (near, far) = (scene.targets[0].snr_db(1000.0), scene.targets[0].snr_db(2000.0));
-        assert!((near - 45.0).abs() < 1e-9);
+        assert!((near - 52.0).abs() < 1e-9);
         assert!((near - far - 12.041).abs() < 1e-3);
     }
 

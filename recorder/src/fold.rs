@@ -102,9 +102,9 @@ impl Fold {
         self.latencies.summaries()
     }
 
-    /// Whether every process that has reported, but `except`, has ended in order.
-    pub fn all_ended(&self, except: &str) -> bool {
-        self.processes.all_ended(except)
+    /// Whether every process upstream has said that it ended in order.
+    pub fn all_ended(&self) -> bool {
+        self.processes.have_ended(self.config.run.source.processes())
     }
 
     /// The report of everything taken.

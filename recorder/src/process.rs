@@ -179,7 +179,7 @@ impl Recorder {
     fn flow(&mut self, publishers: usize) -> Flow {
         if self.ended {
             let ended_at = *self.ended_at.get_or_insert_with(Instant::now);
-            let all_said = self.fold.all_ended(NAME) || ended_at.elapsed() > LAST_WORDS;
+            let all_said = self.fold.all_ended() || ended_at.elapsed() > LAST_WORDS;
             return if all_said { Flow::End } else { Flow::Wait };
         }
         if stop_requested() && publishers == 0 { Flow::End } else { Flow::Wait }

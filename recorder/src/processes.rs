@@ -49,9 +49,9 @@ impl Processes {
         }
     }
 
-    /// Whether all processes that have reported have ended in order, but `except`.
-    pub(crate) fn all_ended(&self, except: &str) -> bool {
-        self.by_name.iter().all(|(name, lives)| name == except || lives.now.ended == 1)
+    /// Whether all of these processes have said that they ended in order.
+    pub(crate) fn have_ended(&self, names: &[&str]) -> bool {
+        names.iter().all(|&name| self.by_name.get(name).is_some_and(|lives| lives.now.ended == 1))
     }
 
     pub(crate) fn report(&self) -> BTreeMap<String, ProcessUse> {

@@ -96,8 +96,17 @@ pub struct Surroundings<'a, F> {
     pub detection_probability: f64,
     /// Statistics of the target's power; without, λ = 1.
     pub target: Option<&'a TargetStatistics>,
-    /// Clutter density ρ_c in the measure of y at (r, β, ε, ṙ), 1/(m³·m/s).
-    pub density: F,
+    /// The clutter at (r, β, ε, ṙ).
+    pub clutter: F,
+}
+
+/// False plots to be expected at a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FalsePlots {
+    /// ρ_c in the measure of y, 1/(m³·m/s).
+    pub density: f64,
+    /// Mean of q − t₀ above the threshold; 0 for that of noise.
+    pub mean_excess: f64,
 }
 
 /// Fills `candidates` with the plots in the gate that the rule names (T10). `time_ns` is that of the prediction.
@@ -185,7 +194,7 @@ fn search(
 /// ρ_c at the centre of the gate, and λ_m of every candidate.
 ///
 /// With no candidate the density does not matter and 1 is returned. Hard decisions leave one candidate.
-pub fn weigh<F: Fn(&[f64; COORDINATES]) -> f64>(
+pub fn weigh<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
     selection: &Selection,
     surroundings: &Surroundings<'_, F>,
     plots: &[Measurement],
@@ -197,19 +206,19 @@ pub fn weigh<F: Fn(&[f64; COORDINATES]) -> f64>(
     }
     let parametric = rules.clutter == Clutter::Parametric;
     let reference = if parametric {
-        (surroundings.density)(&selection.gate.centre)
+        (surroundings.clutter)(&selection.gate.centre).density
     } else {
         candidates.len() as f64 / selection.volume
     };
     for candidate in candidates.iter_mut() {
         let plot = &plots[candidate.plot];
         let with_statistics = rules.association != Association::Pda && plot.has_power;
+        let here = (surroundings.clutter)(&plot.polar);
         let ratio = match surroundings.target {
-            Some(target) if with_statistics => target.likelihood_ratio(plot.power),
+            Some(target) if with_statistics => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
             _ => 1.0,
         };
-        let thinning = if parametric { reference / (surroundings.density)(&plot.polar) } else { 1.0 };
-        candidate.ratio = ratio * thinning;
+        candidate.ratio = if parametric { ratio * reference / here.density } else { ratio };
     }
     let better = |a: &Candidate, b: &Candidate| match rules.association {
         Association::Nearest => a.distance < b.distance,

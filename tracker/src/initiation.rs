@@ -7,7 +7,8 @@
 //! |(r_k − r_(k−1))/T − (ṙ_k + ṙ_(k−1))/2| ≤ 3σ,   |ṙ_k − ṙ_(k−1)| ≤ 3σ
 //! ```
 
-use crate::measurement::Measurement;
+use crate::gate::Radar;
+use crate::measurement::{COORDINATES, Measurement};
 
 /// How far errors may reach, standard deviations.
 const REACH: f64 = 3.0;
@@ -28,6 +29,16 @@ impl Reach {
         let across = self.speed_mps * step_s / ground;
         let angle = if across < 1.0 { across.asin() } else { std::f64::consts::FRAC_PI_2 };
         (angle + 2.0 * REACH * last.variance[1].sqrt()).min(std::f64::consts::FRAC_PI_2)
+    }
+
+    /// Resolution cells in which the earlier plot of a pair may lie: a box of the reach in each coordinate.
+    pub fn cells(&self, last: &Measurement, step_s: f64, radar: &Radar) -> f64 {
+        let travel_m = self.speed_mps * step_s;
+        let reach = [travel_m, travel_m / last.polar[0], travel_m / last.polar[0], self.speed_mps];
+        (0..COORDINATES)
+            .filter(|&i| radar.measured[i])
+            .map(|i| 1.0 + 2.0 * reach[i] / radar.cell[i])
+            .product()
     }
 
     /// How badly two plots `step_s` apart fit one target; `None` if they do not. Smaller is better.

@@ -23,6 +23,7 @@ pub mod measurement;
 pub mod motion;
 pub mod plot_store;
 pub mod process;
+pub mod replay;
 pub mod start;
 pub mod state;
 pub mod sweep;

@@ -30,6 +30,8 @@ pub struct Life {
     pub state: u32,
     /// r.
     pub existence: f64,
+    /// r at the start: a track does not end for having begun in doubt.
+    pub started_at: f64,
     /// Scans since the first plot.
     pub age: u32,
     /// Scans with a credible plot.
@@ -39,9 +41,10 @@ pub struct Life {
 }
 
 impl Life {
-    /// Of a track of two plots.
-    pub fn start(config: &TrackerConfig) -> Self {
-        let mut life = Self { state: TENTATIVE, existence: config.start_existence, age: 2, hits: 2, misses: 0 };
+    /// Of a track of two plots that exists with probability `existence`.
+    pub fn start(existence: f64, config: &TrackerConfig) -> Self {
+        let mut life =
+            Self { state: TENTATIVE, existence, started_at: existence, age: 2, hits: 2, misses: 0 };
         if config.logic == Logic::MOfN && config.confirm_hits <= 2 {
             life.state = CONFIRMED;
         }
@@ -67,7 +70,7 @@ impl Life {
         }
         let confirmed = self.is_confirmed();
         let ends = match config.logic {
-            Logic::Existence => self.existence < config.delete_existence,
+            Logic::Existence => self.existence < config.delete_existence.min(0.3 * self.started_at),
             Logic::MOfN => !confirmed && self.age > config.confirm_scans,
         };
         let limit = if confirmed { config.confirmed_misses } else { config.tentative_misses };
@@ -160,7 +163,7 @@ mod tests {
     #[test]
     fn certainty_grows_and_fades() {
         let config = TrackerConfig::default();
-        let mut life = Life::start(&config);
+        let mut life = Life::start(0.1, &config);
         for _ in 0..4 {
             life.observe(50.0, true, &config);
         }

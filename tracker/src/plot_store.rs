@@ -21,6 +21,8 @@ pub struct Entry {
     pub index: u32,
     /// How far confirmed tracks explain it: the largest association weight.
     pub explained: f64,
+    /// How far any track claims it: the largest weight times existence.
+    pub claimed: f64,
     /// The track that took it as its best plot, and by what weight.
     pub owner: Option<(u64, f64)>,
 }

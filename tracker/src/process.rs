@@ -75,6 +75,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         let abandoned = stop_requested() && plots.publishers() == 0;
         Ok(if ended || abandoned { Flow::End } else { Flow::Wait })
     })?;
+    publisher.linger();
     Ok(ExitCode::SUCCESS)
 }
 

@@ -17,8 +17,8 @@ use common::config::{ConfigError, TrackerConfig};
 use common::health::{Reject, Rejected};
 use common::message::END_OF_STREAM;
 use common::plots::{Plot, PlotsHeader};
-use common::tracks::{TENTATIVE, TERMINATED, Track};
-use common::units::seconds_between;
+use common::tracks::{TERMINATED, Track};
+use common::units::{from_db, seconds_between};
 
 use crate::association::{Rules, Surroundings};
 use crate::clutter_map::ClutterMap;
@@ -39,6 +39,8 @@ const START_PROBABILITY: [f64; MODES] = [0.33, 0.34, 0.33];
 const MISS_WEIGHT: f64 = 0.5;
 /// Association weight with a confirmed track from which a plot starts no new one.
 const EXPLAINED: f64 = 0.2;
+/// Existence below which two plots start no track.
+const LEAST_EXISTENCE: f64 = 1e-5;
 /// Scans in which two tracks share their best plot before one of them goes.
 const SHARED_SCANS: u32 = 3;
 /// Squared distance of two tracks' velocities, in standard deviations, below which they may be one.
@@ -64,6 +66,8 @@ pub struct Taken {
 struct Site {
     radar: Radar,
     detector: Detector,
+    /// Whether the header says how plots were detected; else decision statistics have no scale.
+    threshold_is_known: bool,
     kinematics: Kinematics,
     clutter: ClutterMap,
 }
@@ -82,6 +86,8 @@ pub struct Tracker {
     next_id: u64,
     /// Indices of the tracks due, reused.
     due: Vec<usize>,
+    /// Plots and weights of the track at hand, reused.
+    claims: Vec<(usize, f64)>,
     workspace: Workspace,
 }
 
@@ -102,6 +108,7 @@ impl Tracker {
             tracks: Vec::new(),
             next_id: first_id,
             due: Vec::new(),
+            claims: Vec::new(),
             workspace: Workspace::default(),
         })
     }
@@ -134,7 +141,7 @@ impl Tracker {
                 Some(measurement) => {
                     let angle_rad = self.sweep.unwrap(header, plot.azimuth_rad);
                     let entry =
-                        Entry { angle_rad, seq: header.seq, index: index as u32, explained: 0.0, owner: None };
+                        Entry { angle_rad, seq: header.seq, index: index as u32, explained: 0.0, claimed: 0.0, owner: None };
                     self.plots.insert(entry, measurement);
                 }
                 None => taken.rejected.count(Reject::BadPlot),
@@ -191,9 +198,11 @@ impl Tracker {
         self.site = Some(Site {
             radar,
             detector: Detector::new(pfa, header.reference_cells),
+            threshold_is_known: header.pfa > 0.0,
             kinematics: Kinematics::new(&self.config, &radar),
             clutter: ClutterMap::new(
                 radar,
+                Detector::new(pfa, header.reference_cells),
                 self.config.clutter_floor.max(header.pfa),
                 self.config.clutter_map_scans,
             ),
@@ -227,7 +236,7 @@ impl Tracker {
 
     /// One passage of one track.
     fn process(&mut self, index: usize, covered_rad: f64, site: &mut Site) {
-        let Self { config, rules, sweep, plots, tracks, workspace, .. } = self;
+        let Self { config, rules, sweep, plots, tracks, workspace, claims, .. } = self;
         let track = &mut tracks[index];
         // Whole turns may have been lost: the passage that counts is the last one covered.
         let lost_turns = ((covered_rad - track.next.due_rad()) / TAU).floor();
@@ -246,13 +255,12 @@ impl Tracker {
         let statistics = track.amplitude.statistics();
         let surroundings = Surroundings {
             radar: &site.radar,
-            detection_probability: if site.detector.reference_cells > 0 || statistics_known(site) {
-                statistics.detection_probability.min(config.detection_probability)
-            } else {
-                config.detection_probability
+            detection_probability: match site.threshold_is_known {
+                true => statistics.detection_probability.min(config.detection_probability),
+                false => config.detection_probability,
             },
-            target: Some(statistics),
-            density: |polar: &[f64; COORDINATES]| clutter.density(polar, turn),
+            target: site.threshold_is_known.then_some(statistics),
+            clutter: |polar: &[f64; COORDINATES]| clutter.at(polar, turn, None),
         };
         let from_rad = (passage.angle_rad - passage.half_width_rad).max(track.searched_to_rad);
         let to_rad = passage.due_rad();
@@ -277,16 +285,15 @@ impl Tracker {
         track.last_scan = last_scan(&outcome, &passage.prediction.modes, offered, &site.radar, plots, range.start);
         for (candidate, weights) in workspace.candidates.iter().zip(&workspace.weights) {
             let weight: f64 = (0..MODES).map(|j| track.posterior.probability[j] * weights[j]).sum();
-            let power = offered[candidate.plot].power;
             if offered[candidate.plot].has_power {
-                track.amplitude.learn(power, weight, config, &site.detector);
+                track.amplitude.learn(offered[candidate.plot].power, weight, config, &site.detector);
             }
+            claims.push((range.start + candidate.plot, weight));
         }
-        let confirmed = track.life.is_confirmed();
-        if confirmed {
-            for (candidate, weights) in workspace.candidates.iter().zip(&workspace.weights) {
-                let weight: f64 = (0..MODES).map(|j| track.posterior.probability[j] * weights[j]).sum();
-                let entry = plots.entry_mut(range.start + candidate.plot);
+        for (index, weight) in claims.drain(..) {
+            let entry = plots.entry_mut(index);
+            entry.claimed = entry.claimed.max(weight * track.life.existence);
+            if track.life.is_confirmed() {
                 entry.explained = entry.explained.max(weight);
             }
         }
@@ -326,51 +333,90 @@ impl Tracker {
         let claimed_from = self
             .tracks
             .iter()
-            .filter(|track| track.life.is_confirmed())
             .map(|track| track.next.angle_rad - track.next.half_width_rad)
             .fold(covered_rad, f64::min);
         while let Some(index) = self.plots.settle(claimed_from) {
             let entry = *self.plots.entry(index);
             let last = self.plots.measurements(index..index + 1)[0];
             let turn = (entry.angle_rad / TAU).max(0.0) as u32;
-            site.clutter.observe(&last, 1.0 - entry.explained, turn);
-            if entry.explained > EXPLAINED || entry.owner.is_some() {
-                continue;
+            let mut claimed = entry.claimed;
+            if entry.explained <= EXPLAINED
+                && entry.owner.is_none()
+                && let Some(track) = self.start(&last, &entry, turn, site)
+            {
+                claimed = claimed.max(track.life.existence);
+                self.plots.entry_mut(index).owner = Some((track.id, 1.0));
+                tracks.push(track.message());
+                self.tracks.push(track);
             }
-            let Some((previous, step_s)) = self.partner(&last, entry.angle_rad) else { continue };
-            let posterior = two_plots(&previous, &last, step_s, &site.kinematics.motion, START_PROBABILITY);
-            if !posterior.is_sound() {
-                continue;
-            }
-            let mut amplitude = Amplitude::prior(&self.config, &site.detector);
-            for plot in [&previous, &last].into_iter().filter(|plot| plot.has_power) {
-                amplitude.learn(plot.power, 1.0, &self.config, &site.detector);
-            }
-            let id = self.next_id;
-            self.next_id += 1;
-            let (time_ns, angle_rad) = (last.time_ns, entry.angle_rad);
-            self.plots.entry_mut(index).owner = Some((id, 1.0));
-            let track = LiveTrack {
-                id,
-                posterior,
-                time_ns,
-                angle_rad,
-                searched_to_rad: angle_rad,
-                next: site.kinematics.passage(&posterior, time_ns, angle_rad, 1.0, &self.sweep, &site.radar),
-                life: Life::start(&self.config),
-                amplitude,
-                last_scan: LastScan {
-                    weight_none: 0.0,
-                    weight_best: 1.0,
-                    plots_in_gate: 1,
-                    best_plot: (entry.seq, entry.index),
-                    ..LastScan::EMPTY
-                },
-                shared: None,
-            };
-            tracks.push(track.message());
-            self.tracks.push(track);
+            site.clutter.observe(&last, 1.0 - claimed, turn);
         }
+    }
+
+    /// A tentative track that ends at the plot `last`, if there is a plot of the turn before to begin it.
+    fn start(&mut self, last: &Measurement, entry: &Entry, turn: u32, site: &Site) -> Option<LiveTrack> {
+        let (previous, step_s) = self.partner(last, entry.angle_rad)?;
+        let existence = self.start_existence(&previous, last, step_s, turn, site);
+        if existence < LEAST_EXISTENCE {
+            return None;
+        }
+        let posterior = two_plots(&previous, last, step_s, &site.kinematics.motion, START_PROBABILITY);
+        if !posterior.is_sound() {
+            return None;
+        }
+        let mut amplitude = Amplitude::prior(&self.config, &site.detector);
+        for plot in [&previous, last].into_iter().filter(|plot| plot.has_power) {
+            amplitude.learn(plot.power, 1.0, &self.config, &site.detector);
+        }
+        let id = self.next_id;
+        self.next_id += 1;
+        let (time_ns, angle_rad) = (last.time_ns, entry.angle_rad);
+        Some(LiveTrack {
+            id,
+            posterior,
+            time_ns,
+            angle_rad,
+            searched_to_rad: angle_rad,
+            next: site.kinematics.passage(&posterior, time_ns, angle_rad, 1.0, &self.sweep, &site.radar),
+            life: Life::start(existence, &self.config),
+            amplitude,
+            last_scan: LastScan {
+                weight_none: 0.0,
+                weight_best: 1.0,
+                plots_in_gate: 1,
+                best_plot: (entry.seq, entry.index),
+                ..LastScan::EMPTY
+            },
+            shared: None,
+        })
+    }
+
+    /// Probability that a pair of plots is a new target rather than two false plots:
+    /// ```text
+    /// odds = (b/F₂) λ₂ · λ₁/(F₁ U)
+    /// ```
+    /// with b new targets and F false plots per cell, U the cells that the first plot could have been in.
+    fn start_existence(
+        &self,
+        previous: &Measurement,
+        last: &Measurement,
+        step_s: f64,
+        turn: u32,
+        site: &Site,
+    ) -> f64 {
+        let target = site.detector.target(self.config.swerling, from_db(self.config.snr_db));
+        let evidence = |plot: &Measurement| {
+            let here = site.clutter.at(&plot.polar, turn, Some(previous));
+            let ratio = if plot.has_power && site.threshold_is_known {
+                target.likelihood_ratio_in_clutter(plot.power, here.mean_excess)
+            } else {
+                1.0
+            };
+            ratio / (here.density * site.clutter.cell_volume(&plot.polar))
+        };
+        let cells = self.reach.cells(last, step_s, &site.radar);
+        let odds = (self.config.start_density * evidence(last) * evidence(previous) / cells).min(1e12);
+        (odds / (1.0 + odds)).min(self.config.start_existence)
     }
 
     /// The best plot of the turn before for a start, and the time between the two.
@@ -391,11 +437,6 @@ impl Tracker {
         }
         best.map(|(_, index, step_s)| (self.plots.measurements(index..index + 1)[0], step_s))
     }
-}
-
-/// Whether plots of this radar have a decision statistic with a known threshold.
-fn statistics_known(site: &Site) -> bool {
-    site.detector.pfa > UNKNOWN_PFA || site.detector.pfa < UNKNOWN_PFA
 }
 
 /// What a message says of the scan.
@@ -473,5 +514,3 @@ fn is_possible(header: &PlotsHeader) -> bool {
         && header.sectors_per_scan > 0
         && header.sector < header.sectors_per_scan
 }
-
-const _: () = assert!(TENTATIVE == 0);

@@ -13,7 +13,7 @@
 
 use common::config::Association;
 
-use crate::association::{Candidate, Rules, Selection, Surroundings, select, weigh};
+use crate::association::{Candidate, FalsePlots, Rules, Selection, Surroundings, select, weigh};
 use crate::imm::Imm;
 use crate::measurement::{COORDINATES, Expected, Likelihood, Measurement, PACKED_4};
 use crate::motion::{DIMENSIONS, MODES};
@@ -59,7 +59,7 @@ pub struct Outcome {
 ///
 /// Without a plot in the gate the prediction is kept and only W_j changes. The same holds for a mode
 /// whose D is not positive definite.
-pub fn update<F: Fn(&[f64; COORDINATES]) -> f64>(
+pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
     prediction: &Imm,
     time_ns: u64,
     plots: &[Measurement],

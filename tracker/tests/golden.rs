@@ -12,7 +12,7 @@ use common::geometry::Polar;
 use common::tracks;
 use nalgebra::{SMatrix, SVector};
 use serde_json::Value;
-use tracker::association::{Rules, Surroundings};
+use tracker::association::{FalsePlots, Rules, Surroundings};
 use tracker::gate::{Gate, Radar, own_probability};
 use tracker::imm::Imm;
 use tracker::measurement::{COORDINATES, Expected, LineOfSight, Measurement, position_covariance};
@@ -192,16 +192,16 @@ impl Check {
         // The files take one density for the whole gate, that at its centre, which is asked for first.
         let at_centre = Cell::new(None);
         let cells: f64 = radar.cell.iter().product();
-        let density = |polar: &[f64; COORDINATES]| {
+        let clutter = |polar: &[f64; COORDINATES]| {
             let value = at_centre.get().unwrap_or(pfa / cells / (polar[0] * polar[0] * polar[2].cos()));
             at_centre.set(Some(value));
-            value
+            FalsePlots { density: value, mean_excess: 0.0 }
         };
         let surroundings = Surroundings {
             radar: &radar,
             detection_probability: target.detection_probability,
             target: Some(&target),
-            density,
+            clutter,
         };
         let mut workspace = Workspace::default();
         let outcome = update(&prediction, 0, &plots, &surroundings, &rules, &mut workspace);

@@ -62,7 +62,7 @@ impl Default for RadarConfig {
             beamwidth_elevation_deg: 0.5,
             pulse_width_m: 90.0,
             doppler_width_mps: 45.0,
-            snr_1m2_1km_db: 55.0,
+            snr_1m2_1km_db: 62.0,
         }
     }
 }

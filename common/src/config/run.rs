@@ -14,6 +14,16 @@ pub enum Source {
     PlotSource,
 }
 
+impl Source {
+    /// Names of the processes upstream of the recorder.
+    pub fn processes(self) -> &'static [&'static str] {
+        match self {
+            Source::RadarSim => &["radar-sim", "plot-extractor", "tracker"],
+            Source::PlotSource => &["plot-source", "tracker"],
+        }
+    }
+}
+
 /// What a full queue does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -89,7 +89,9 @@ pub struct TrackerConfig {
     pub detection_probability: f64,
     /// Fastest target that starts a track, m/s.
     pub start_speed_mps: f64,
-    /// Probability of existence of a new track of two plots.
+    /// New targets expected per resolution cell and scan: what a pair of plots has to be weighed against false ones.
+    pub start_density: f64,
+    /// Probability of existence that two plots alone can give at most.
     pub start_existence: f64,
     /// Probability that a target still exists after one scan.
     pub survival_probability: f64,
@@ -129,7 +131,8 @@ impl Default for TrackerConfig {
             snr_prior_scans: 3.0,
             detection_probability: 0.95,
             start_speed_mps: 60.0,
-            start_existence: 0.1,
+            start_density: 1e-9,
+            start_existence: 0.5,
             survival_probability: 0.998,
             logic: Logic::Existence,
             confirm_existence: 0.99,
@@ -163,6 +166,7 @@ impl TrackerConfig {
         not_negative("tracker.snr_prior_scans", self.snr_prior_scans)?;
         probability("tracker.detection_probability", self.detection_probability)?;
         positive("tracker.start_speed_mps", self.start_speed_mps)?;
+        probability("tracker.start_density", self.start_density)?;
         probability("tracker.start_existence", self.start_existence)?;
         probability("tracker.survival_probability", self.survival_probability)?;
         probability("tracker.confirm_existence", self.confirm_existence)?;

@@ -21,6 +21,9 @@ const CLEAN_INTERVAL_MS: u64 = 50;
 /// How long a publisher in real-time mode waits for its consumers before the first message.
 const FIRST_WAIT: Duration = Duration::from_secs(5);
 
+/// How long a publisher that has ended waits for its consumers to leave.
+const LONGEST_LINGER: Duration = Duration::from_secs(2);
+
 /// Sends messages of one topic and wakes their consumers.
 ///
 /// Lossless: a full queue blocks, and nothing is sent while a required consumer is
@@ -156,6 +159,15 @@ impl<M: Message> Publisher<M> {
         self.started.set(true);
         let _ = self.port.update_connections();
         Ok(())
+    }
+
+    /// Stays until the consumers have left, at most two seconds: what a publisher sends
+    /// last is lost to those that have not yet found it when it goes.
+    pub fn linger(&self) {
+        let began = Instant::now();
+        while self.service.dynamic_config().number_of_subscribers() > 0 && began.elapsed() < LONGEST_LINGER {
+            std::thread::sleep(Duration::from_millis(5));
+        }
     }
 
     fn wake(&self) {

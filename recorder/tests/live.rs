@@ -1,0 +1,256 @@
+//! The recorder as a real process: this test is the rest of the chain.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus};
+use std::time::{Duration, Instant};
+
+use common::config::{self, ChainConfig};
+use common::ipc::{Publisher, Station};
+use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, Stamps};
+use common::plots::{Plot, PlotsHeader};
+use common::report::Report;
+use common::services::{MAX_PLOTS, MAX_TARGETS, MAX_TRACKS, Plots, Tracks, Truth};
+use common::time::monotonic_ns;
+use common::tracks::{CONFIRMED, Track, TracksHeader};
+use common::truth::{TruthHeader, TruthTarget, VISIBLE};
+
+const SECTORS: u64 = 8;
+/// A test that takes longer has run into a deadlock.
+const DEADLOCK: Duration = Duration::from_secs(60);
+
+/// A chain of this test, in a domain and folder of its own.
+struct Chain {
+    folder: tempfile::TempDir,
+    settings: Vec<String>,
+    config: ChainConfig,
+    station: Station,
+}
+
+impl Chain {
+    fn new(name: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |file: &str| folder.path().join(file).display().to_string();
+        let settings = vec![
+            format!("ipc.prefix=rec-{name}-{}", std::process::id()),
+            format!("ipc.root={}", folder.path().display()),
+            format!("recorder.directory={}", path("recordings")),
+            format!("recorder.report={}", path("report.json")),
+            "run.id=test".to_string(),
+            format!("radar.sectors_per_scan={SECTORS}"),
+        ];
+        let config = config::load(None, &settings).expect("a valid configuration");
+        let station = Station::enter("test", &config).expect("a domain");
+        Self { folder, settings, config, station }
+    }
+
+    fn recorder(&self, more: &[&str]) -> Child {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_recorder"));
+        for setting in self.settings.iter().map(String::as_str).chain(more.iter().copied()) {
+            command.args(["--set", setting]);
+        }
+        command.spawn().expect("the recorder starts")
+    }
+
+    fn part(&self, number: u32) -> PathBuf {
+        self.folder.path().join(format!("recordings/{}-test.{number:03}.mcap", self.config.site.name))
+    }
+
+    fn report(&self) -> Report {
+        let text = std::fs::read_to_string(self.folder.path().join("report.json")).expect("a report");
+        serde_json::from_str(&text).expect("a report of this version")
+    }
+}
+
+impl Drop for Chain {
+    fn drop(&mut self) {
+        self.station.domain().remove();
+    }
+}
+
+/// The publishers of a chain whose one target stands still and is tracked.
+struct Stages {
+    plots: Publisher<Plots>,
+    tracks: Publisher<Tracks>,
+    truth: Publisher<Truth>,
+}
+
+impl Stages {
+    fn new(station: &Station) -> Self {
+        let stages = Self {
+            plots: station.publisher(MAX_PLOTS, 1).expect("a publisher"),
+            tracks: station.publisher(MAX_TRACKS, 1).expect("a publisher"),
+            truth: station.publisher(MAX_TARGETS, 1).expect("a publisher"),
+        };
+        stages.tracks.wait_for_consumers().expect("the recorder comes");
+        stages
+    }
+
+    /// Publishes positions `from..to` of a run that ends at `end`.
+    fn publish(&self, from: u64, to: u64, end: u64) {
+        for seq in from..to {
+            let (scan, sector) = ((seq / SECTORS) as u32, (seq % SECTORS) as u32);
+            let time_ns = 1_700_000_000_000_000_000 + (seq + 1) * 1_000_000_000 / SECTORS;
+            let last_of_scan = if u64::from(sector) == SECTORS - 1 { END_OF_SCAN } else { 0 };
+            let flags = last_of_scan | if seq + 1 == end { END_OF_STREAM } else { 0 };
+            let state = [1000.0, 0.0, 0.0, 0.0, 0.0, 0.0, 50.0, 0.0, 0.0];
+            if last_of_scan != 0 {
+                let header = TruthHeader {
+                    seq: scan.into(),
+                    time_ns,
+                    scan_period_s: 1.0,
+                    scan,
+                    flags,
+                    ..TruthHeader::default()
+                };
+                let target =
+                    TruthTarget { time_ns: time_ns - 1, target_id: 1, state, flags: VISIBLE, ..TruthTarget::default() };
+                self.truth.publish(&header, &[target], |_| {}).expect("published");
+            }
+            let now = monotonic_ns();
+            let stamps = Stamps { source_out_ns: now, plots_out_ns: now, ..Stamps::default() };
+            let plots = PlotsHeader { seq, session: 3, time_ns, scan, sector, flags, stamps, ..PlotsHeader::default() };
+            self.plots.publish(&plots, &[Plot { time_ns, ..Plot::default() }], |_| {}).expect("published");
+            let lineage = Lineage { session: 3, first_seq: seq, last_seq: seq, taken: 1 };
+            let tracks = TracksHeader {
+                seq,
+                session: 4,
+                time_ns,
+                scan,
+                sector,
+                flags,
+                stamps,
+                lineage,
+                ..TracksHeader::default()
+            };
+            let track = Track { time_ns: time_ns - 1, id: 1, state_code: CONFIRMED, state, ..Track::default() };
+            let elements: &[Track] = if last_of_scan == 0 { &[] } else { &[track] };
+            let published = self.tracks.publish(&tracks, elements, |header| {
+                header.stamps.tracker_in_ns = now;
+                header.stamps.tracks_out_ns = monotonic_ns();
+            });
+            published.expect("published");
+        }
+    }
+}
+
+fn wait(child: &mut Child) -> ExitStatus {
+    let began = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().expect("a child") {
+            return status;
+        }
+        assert!(began.elapsed() < DEADLOCK, "the recorder does not end");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn recorder(arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_recorder")).args(arguments).output().expect("the recorder starts");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+fn name(path: &Path) -> &str {
+    path.to_str().expect("text")
+}
+
+#[test]
+fn a_whole_run_is_recorded_and_reported() {
+    let chain = Chain::new("whole");
+    let mut child = chain.recorder(&[]);
+    let end = 20 * SECTORS;
+    Stages::new(&chain.station).publish(0, end, end);
+    assert_eq!(wait(&mut child).code(), Some(0));
+
+    let report = chain.report();
+    assert_eq!((report.scans, report.messages["tracks"], report.messages["plots"]), (20, end, end));
+    assert_eq!(report.lost(), 0);
+    assert!(report.comparable);
+    assert_eq!((report.latency_us["track"].n, report.latency_us["scan"].n), (end, 20));
+    assert_eq!((report.tracking.targets, report.tracking.confirmed), (Some(1), Some(1)));
+    assert!(report.tracking.position_rmse_m.is_some_and(|rmse| rmse < 1e-6));
+    assert!(report.processes.contains_key("recorder"));
+
+    let file = chain.part(0);
+    let (code, text, _) = recorder(&["info", name(&file)]);
+    assert!(code == Some(0) && text.contains("whole") && text.contains("run      test part 0"), "{text}");
+    let (code, text, _) = recorder(&["diff", name(&file), name(&file)]);
+    assert_eq!((code, text.as_str()), (Some(0), "equal\n"));
+
+    let out = chain.folder.path().join("export");
+    let (code, text, errors) = recorder(&["export", name(&file), "--format", "jsonl", "--out", name(&out)]);
+    assert_eq!(code, Some(0), "{text}{errors}");
+    let lines = out.join("tracks.jsonl");
+    assert_eq!(std::fs::read_to_string(&lines).expect("a file").lines().count() as u64, end);
+    let (code, text, _) = recorder(&["diff", name(&lines), name(&lines)]);
+    assert_eq!((code, text.as_str()), (Some(0), "equal\n"));
+    let (code, _, _) = recorder(&["export", name(&file), "--topics", "tracks,health", "--out", name(&out)]);
+    assert_eq!(code, Some(0));
+    let table = std::fs::read_to_string(out.join("tracks.csv")).expect("a file");
+    assert_eq!(table.lines().count(), 21);
+    let width = |line: &str| line.split(',').count();
+    assert!(table.lines().all(|line| width(line) == width(table.lines().next().unwrap_or_default())), "{table}");
+}
+
+#[test]
+fn a_recorder_killed_and_restarted_reports_the_whole_run_and_its_own_loss() {
+    let chain = Chain::new("killed");
+    let mut child = chain.recorder(&[]);
+    let end = 60 * SECTORS;
+    let stages = Stages::new(&chain.station);
+    stages.publish(0, 20 * SECTORS, end);
+    std::thread::sleep(Duration::from_millis(1300)); // a chunk is closed at least once a second
+    stages.publish(20 * SECTORS, 30 * SECTORS, end);
+    child.kill().expect("killed");
+    wait(&mut child);
+
+    // What was written before the kill can be read.
+    let (code, text, _) = recorder(&["info", name(&chain.part(0))]);
+    assert!(code == Some(0) && text.contains("cut: readable up to its last whole chunk"), "{text}");
+
+    let mut child = chain.recorder(&[]);
+    stages.publish(30 * SECTORS, end, end);
+    assert_eq!(wait(&mut child).code(), Some(0));
+
+    let report = chain.report();
+    for topic in ["plots", "tracks"] {
+        let (received, lost) = (report.messages[topic], report.loss[topic]["recorder"]);
+        assert_eq!(received + lost, end, "{topic}: {received} received, {lost} lost");
+        assert!(received >= 50 * SECTORS && lost > 0, "{topic}: {received} received, {lost} lost");
+    }
+    assert_eq!(report.loss["plots"]["tracker"], 0);
+    assert_eq!(report.processes["recorder"].restarts, 1);
+    assert!(!report.comparable);
+    let (code, text, _) = recorder(&["info", name(&chain.part(1))]);
+    assert!(code == Some(0) && text.contains("part 1") && text.contains("whole"), "{text}");
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_one_line_and_exit_code_2() {
+    let chain = Chain::new("folder");
+    let file = chain.folder.path().join("taken");
+    std::fs::write(&file, "a file").expect("written");
+    let setting = format!("recorder.directory={}", file.display());
+    let mut arguments: Vec<&str> = chain.settings.iter().flat_map(|set| ["--set", set.as_str()]).collect();
+    arguments.extend(["--set", &setting]);
+    let (code, _, errors) = recorder(&arguments);
+    assert_eq!(code, Some(2), "{errors}");
+    assert!(errors.lines().count() == 1 && errors.contains("taken"), "{errors}");
+}
+
+#[test]
+fn bad_files_are_one_line_and_exit_code_2() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let garbage = folder.path().join("garbage");
+    std::fs::write(&garbage, [0xff; 64]).expect("written");
+    let damaged = folder.path().join("damaged.mcap");
+    std::fs::write(&damaged, b"\x89MCAP0\r\n\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff").expect("written");
+    for file in [folder.path(), Path::new("/nowhere.mcap"), &garbage, &damaged] {
+        for command in ["info", "diff"] {
+            let second = if command == "diff" { vec![name(file)] } else { vec![] };
+            let (code, _, errors) = recorder(&[vec![command, name(file)], second].concat());
+            assert_eq!(code, Some(2), "{command} {}: {errors}", file.display());
+            assert!(errors.lines().count() == 1 && errors.contains(name(file)), "{errors}");
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Stages are killed while the chain runs: each comes back, the others stay, the loss is told.
+
+mod support;
+
+use serde_json::Value;
+use support::{Bench, number, signal, text_of};
+
+const STAGES: [&str; 4] = ["radar-sim", "plot-extractor", "tracker", "recorder"];
+
+fn pids(status: &Value) -> Option<[u64; 4]> {
+    let found: Vec<u64> = STAGES.iter().filter_map(|stage| number(status, stage, "pid")).collect();
+    found.try_into().ok()
+}
+
+#[test]
+fn every_stage_comes_back_and_the_loss_is_reported() {
+    let bench = Bench::new();
+    let running = bench.start(&["--scans", "0", "--speed", "1"]);
+    let mut before = bench.wait_for("all stages at work", |status| {
+        pids(status).filter(|_| number(status, "tracker", "scan").is_some_and(|scan| scan >= 3))
+    });
+    for (index, stage) in STAGES.into_iter().enumerate() {
+        signal(before[index] as u32, "KILL");
+        let after = bench.wait_for(stage, |status| pids(status).filter(|now| now[index] != before[index]));
+        for other in (0..4).filter(|&other| other != index) {
+            assert_eq!(after[other], before[other], "{} has stayed while {stage} was killed", STAGES[other]);
+        }
+        let scan = |status: &Value| number(status, "tracker", "scan");
+        let seen = bench.wait_for("a scan", scan);
+        bench.wait_for("further scans", |status| scan(status).filter(|&now| now >= seen + 3));
+        before = after;
+    }
+    let output = running.stop();
+    assert_eq!(output.status.code(), Some(1), "{}", text_of(&output));
+    let report = bench.report();
+    for stage in STAGES {
+        assert_eq!(report.processes[stage].restarts, 1, "{stage}: {}", text_of(&output));
+    }
+    assert!(!report.comparable);
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+
+    // Exact books: every position of the schedule is a message that was seen or a loss that was counted.
+    let lost =
+        |topic: &str, consumer: &str| report.loss.get(topic).and_then(|by| by.get(consumer)).copied().unwrap_or(0);
+    let first_to_last = |seen: u64, lost: u64| seen + lost;
+    let plots = first_to_last(report.messages["plots"], lost("plots", "recorder"));
+    let tracks = first_to_last(report.messages["tracks"], lost("tracks", "recorder"));
+    assert!(lost("dwells", "plot-extractor") > 0, "the simulator's rest of a scan at least: {:?}", report.loss);
+    assert!(plots >= tracks, "{:?}", report.loss);
+
+    // Two files: the one cut by the kill, readable to its last whole chunk, and its successor.
+    let recordings = bench.recordings();
+    assert_eq!(recordings.len(), 2, "{recordings:?}");
+    for path in &recordings {
+        let file = std::fs::File::open(path).expect("a recording");
+        let reader = common::recording::container::Reader::new(std::io::BufReader::new(file));
+        assert!(reader.map_while(Result::ok).count() > 20, "{}", path.display());
+    }
+}

@@ -1,0 +1,170 @@
+//! Real chains for tests: each in a shared-memory domain and a folder of its own, both
+//! removed at the end; conditions are waited for with generous deadlines.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+use common::report::Report;
+use serde_json::Value;
+
+/// Longest time that anything is waited for: a guard against hanging, not a measurement.
+const DEADLINE: Duration = Duration::from_secs(120);
+
+/// Configuration of the small radar.
+pub(crate) fn small_config() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/config/small.toml")
+}
+
+/// A domain and a folder for one test.
+pub(crate) struct Bench {
+    folder: tempfile::TempDir,
+    prefix: String,
+}
+
+impl Bench {
+    pub(crate) fn new() -> Self {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let prefix = format!("t{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+        Self { folder: tempfile::tempdir().expect("temporary folder"), prefix }
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// `radar-chain COMMAND` in this domain, everything it writes in this folder.
+    pub(crate) fn command(&self, command: &str, config: &Path) -> Command {
+        let mut process = Command::new(env!("CARGO_BIN_EXE_radar-chain"));
+        process
+            .current_dir(self.folder.path())
+            .arg(command)
+            .arg("--config")
+            .arg(config)
+            .args(["--ipc-prefix", &self.prefix])
+            .args(["--set", &format!("ipc.root='{}'", self.folder.path().display())])
+            .stdin(Stdio::null());
+        process
+    }
+
+    /// Runs the small radar to its end.
+    pub(crate) fn run(&self, arguments: &[&str]) -> Output {
+        let mut process = self.command("run", &small_config());
+        output(process.args(arguments))
+    }
+
+    /// Starts the small radar.
+    pub(crate) fn start(&self, arguments: &[&str]) -> Running {
+        let child = self
+            .command("run", &small_config())
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("starting the chain");
+        Running { child: Some(child) }
+    }
+
+    /// What the processes of the chain say of themselves.
+    pub(crate) fn status(&self) -> Option<Value> {
+        let output = output(self.command("status", &small_config()).arg("--json"));
+        if output.status.success() { serde_json::from_slice(&output.stdout).ok() } else { None }
+    }
+
+    /// Waits until the status fulfils a condition and gives what it found.
+    pub(crate) fn wait_for<T>(&self, what: &str, condition: impl Fn(&Value) -> Option<T>) -> T {
+        let began = Instant::now();
+        while began.elapsed() < DEADLINE {
+            if let Some(found) = self.status().as_ref().and_then(&condition) {
+                return found;
+            }
+        }
+        panic!("waited {DEADLINE:?} for {what}: {:?}", self.status());
+    }
+
+    pub(crate) fn report(&self) -> Report {
+        let text = std::fs::read_to_string(self.path("report.json")).expect("a report");
+        serde_json::from_str(&text).expect("a report of schema 1")
+    }
+
+    /// Recordings made, in the order of their names.
+    pub(crate) fn recordings(&self) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(self.path("recordings")).expect("recordings");
+        let mut files: Vec<_> = entries.map(|entry| entry.expect("entry").path()).collect();
+        files.sort();
+        files
+    }
+
+    /// Files of the domain that are left.
+    pub(crate) fn left_behind(&self) -> Vec<String> {
+        let shared = std::fs::read_dir("/dev/shm").expect("shared memory");
+        let names = shared.map(|entry| entry.expect("entry").file_name().to_string_lossy().into_owned());
+        let mut left: Vec<String> = names.filter(|name| name.starts_with(&self.prefix)).collect();
+        let root = self.path(&format!("radar-chain-{}", self.prefix));
+        left.extend(root.exists().then(|| root.display().to_string()));
+        left
+    }
+}
+
+/// A chain that runs; it is killed if the test ends before it.
+pub(crate) struct Running {
+    child: Option<Child>,
+}
+
+impl Running {
+    pub(crate) fn pid(&self) -> u32 {
+        self.child.as_ref().expect("running").id()
+    }
+
+    /// Asks it to stop and waits for the end.
+    pub(crate) fn stop(mut self) -> Output {
+        signal(self.pid(), "TERM");
+        self.child.take().expect("running").wait_with_output().expect("the end of the chain")
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if let Some(mut child) = self.child.take() {
+            // The second signal makes the launcher end its stages at once.
+            signal(child.id(), "TERM");
+            signal(child.id(), "TERM");
+            let began = Instant::now();
+            while began.elapsed() < Duration::from_secs(10) {
+                if matches!(child.try_wait(), Ok(Some(_))) {
+                    return;
+                }
+                std::thread::sleep(Duration::from_millis(20));
+            }
+            let _ = child.kill();
+        }
+    }
+}
+
+/// Sends a signal by name.
+pub(crate) fn signal(pid: u32, name: &str) {
+    let status = Command::new("kill").args([&format!("-{name}"), &pid.to_string()]).status();
+    assert!(status.is_ok(), "kill is part of every system");
+}
+
+/// Runs a command to its end.
+pub(crate) fn output(command: &mut Command) -> Output {
+    command.output().expect("running a command")
+}
+
+/// What a command wrote, for messages of failed tests.
+pub(crate) fn text_of(output: &Output) -> String {
+    format!(
+        "{}\n{}\n{}",
+        output.status,
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    )
+}
+
+/// A number in the status of a process.
+pub(crate) fn number(status: &Value, process: &str, key: &str) -> Option<u64> {
+    status.get(process)?.get(key)?.as_u64()
+}

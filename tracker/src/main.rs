@@ -1,0 +1,64 @@
+//! The tracker as a command.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Context;
+use clap::{Parser, Subcommand};
+use common::process::{BadInput, StageArgs};
+use common::recording::{self, jsonl::Writer};
+use tracker::Tracker;
+use tracker::replay::replay;
+
+#[derive(Parser)]
+#[command(version, about = "IMM-PDA tracking with plot statistics: plots in, tracks out")]
+struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Track recorded plots in one go, without shared memory
+    Replay {
+        #[command(flatten)]
+        stage: StageArgs,
+        /// Recording or JSON lines with plots
+        #[arg(long, value_name = "FILE")]
+        plots: PathBuf,
+        /// Where the tracks go, as JSON lines
+        #[arg(long, value_name = "FILE")]
+        tracks: PathBuf,
+    },
+}
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    common::process::run("tracker", || match args.command {
+        Command::Replay { stage, plots, tracks } => replay_file(&stage, &plots, &tracks),
+    })
+}
+
+/// Replays a file and says on standard output what was in it.
+fn replay_file(stage: &StageArgs, plots: &Path, tracks: &Path) -> anyhow::Result<ExitCode> {
+    let config = stage.load()?;
+    let mut tracker = Tracker::new(&config.tracker, 1)?;
+    let messages = recording::open(plots).map_err(|error| BadInput(error.to_string()))?;
+    let file = File::create(tracks).map_err(|error| BadInput(format!("cannot write {}: {error}", tracks.display())))?;
+    let mut out = Writer::new(BufWriter::with_capacity(1 << 20, file));
+    let summary = replay(messages, &mut tracker, &mut out).with_context(|| format!("replaying {}", plots.display()))?;
+    out.finish().with_context(|| format!("writing {}", tracks.display()))?;
+    writeln!(
+        std::io::stdout(),
+        "{} scans, {} plots, {} rejected, {} tracks started, {} alive; {:.3} s in the tracker",
+        summary.scans,
+        summary.plots,
+        summary.rejected,
+        summary.tracks,
+        tracker.alive().len(),
+        summary.tracker_ns as f64 / 1e9,
+    )?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,77 @@
+//! Batch runs: recorded plots in, recorded tracks out, no shared memory.
+
+use std::io::Write;
+
+use common::message::Lineage;
+use common::plots::PlotsHeader;
+use common::recording::jsonl::Writer;
+use common::recording::{Recorded, RecordedRef, RecordingError};
+use common::time::monotonic_ns;
+use common::tracks::{Track, TracksHeader};
+
+use crate::tracker::{Taken, Tracker};
+
+/// What a batch run did.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub struct Summary {
+    /// Plots messages taken.
+    pub messages: u64,
+    /// Scans among them.
+    pub scans: u64,
+    /// Plots in them.
+    pub plots: u64,
+    /// Input rejected, of any reason.
+    pub rejected: u64,
+    /// Time spent in the tracker itself, ns.
+    pub tracker_ns: u64,
+    /// Number of the last track that was started, from 1.
+    pub tracks: u64,
+}
+
+/// Header of the tracks that the plots of one sector brought up to date.
+pub fn tracks_header(plots: &PlotsHeader, taken: &Taken) -> TracksHeader {
+    TracksHeader {
+        seq: plots.seq,
+        session: plots.session,
+        time_ns: plots.time_ns,
+        lineage: Lineage { session: plots.session, first_seq: plots.seq, last_seq: plots.seq, taken: 1 },
+        stamps: plots.stamps,
+        scan: plots.scan,
+        sector: plots.sector,
+        sectors_per_scan: plots.sectors_per_scan,
+        flags: plots.flags,
+        alive: taken.alive,
+        confirmed: taken.confirmed,
+        rejected: taken.rejected.total() as u32,
+        source_id: plots.source_id,
+        ..TracksHeader::default()
+    }
+}
+
+/// Runs all plots of `messages` through the tracker and writes its tracks; other topics are passed over.
+///
+/// # Errors
+/// A message cannot be read, or `out` fails.
+pub fn replay<W: Write>(
+    messages: impl Iterator<Item = Result<Recorded, RecordingError>>,
+    tracker: &mut Tracker,
+    out: &mut Writer<W>,
+) -> Result<Summary, RecordingError> {
+    let mut summary = Summary::default();
+    let mut tracks: Vec<Track> = Vec::new();
+    let mut scan = None;
+    for message in messages {
+        let Recorded::Plots(header, plots) = message? else { continue };
+        let begin_ns = monotonic_ns();
+        let taken = tracker.take(&header, &plots, &mut tracks);
+        summary.tracker_ns += monotonic_ns() - begin_ns;
+        summary.messages += 1;
+        summary.plots += plots.len() as u64;
+        summary.rejected += taken.rejected.total();
+        summary.scans += u64::from(scan != Some((header.session, header.scan)));
+        scan = Some((header.session, header.scan));
+        summary.tracks = tracks.iter().map(|track| track.id).max().unwrap_or(0).max(summary.tracks);
+        out.write(RecordedRef::Tracks(&tracks_header(&header, &taken), &tracks))?;
+    }
+    Ok(summary)
+}
