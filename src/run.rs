@@ -22,7 +22,7 @@ const NAME: &str = "radar-chain";
 pub(crate) fn run(mut chain: ChainConfig) -> anyhow::Result<ExitCode> {
     if chain.run.id.is_empty() {
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-        chain.run.id = common::time::utc_compact(now.as_secs());
+        chain.run.id = format!("{}-{:03}", common::time::utc_compact(now.as_secs()), now.subsec_millis());
     }
     Domain::check_shared_memory(&chain)?;
     let domain = Domain::enter(&chain.ipc)?;

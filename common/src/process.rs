@@ -133,7 +133,7 @@ impl HealthReporter {
     pub fn new(station: &Station, name: &str, session: u64) -> Result<Self, IpcError> {
         let mut health = Health { session, pid: std::process::id(), ..Health::default() };
         health.set_process(name);
-        Ok(Self { publisher: station.publisher(1, 0)?, health, last: None, last_scan: u32::MAX })
+        Ok(Self { publisher: station.publisher(1, &[])?, health, last: None, last_scan: u32::MAX })
     }
 
     /// Whether a report is due: a new scan or a second has passed.

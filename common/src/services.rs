@@ -42,6 +42,35 @@ impl Topic {
     }
 }
 
+/// Processes that a publisher may have to wait for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Consumer {
+    /// Any process that nobody waits for.
+    Observer,
+    /// `plot-extractor`.
+    PlotExtractor,
+    /// `tracker`.
+    Tracker,
+    /// `recorder`.
+    Recorder,
+}
+
+impl Consumer {
+    /// Number of kinds.
+    pub const KINDS: usize = 4;
+
+    /// The kind of the process with this name.
+    pub fn of(process: &str) -> Self {
+        match process {
+            "plot-extractor" => Self::PlotExtractor,
+            "tracker" => Self::Tracker,
+            "recorder" => Self::Recorder,
+            _ => Self::Observer,
+        }
+    }
+}
+
 /// What travels on a topic, and how much room it gets.
 pub trait Message: 'static {
     /// Which topic.

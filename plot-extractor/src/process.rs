@@ -7,7 +7,7 @@ use common::health::Rejected;
 use common::ipc::{Flow, Station, attend};
 use common::message::END_OF_STREAM;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
-use common::services::{Dwells, MAX_PLOTS, Plots, Topic};
+use common::services::{Consumer, Dwells, MAX_PLOTS, Plots, Topic};
 use common::time::monotonic_ns;
 
 use crate::PlotExtractor;
@@ -23,7 +23,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut extractor = PlotExtractor::new(&chain.extractor, &chain.radar);
     let station = Station::enter(NAME, &chain)?;
-    let publisher = station.publisher::<Plots>(MAX_PLOTS, 2)?;
+    let publisher = station.publisher::<Plots>(MAX_PLOTS, &[Consumer::Tracker, Consumer::Recorder])?;
     let wake = station.wake(Topic::Dwells)?;
     let dwells = station.subscriber::<Dwells>()?;
     let session = new_session();

@@ -8,7 +8,7 @@ use common::config::{ChainConfig, Speed};
 use common::ipc::Station;
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
-use common::services::{MAX_PLOTS, MAX_TARGETS, Plots, Truth};
+use common::services::{Consumer, MAX_PLOTS, MAX_TARGETS, Plots, Truth};
 use common::time::monotonic_ns;
 use common::units::seconds_between;
 
@@ -16,8 +16,6 @@ use crate::Source;
 
 /// Name of the process.
 pub const NAME: &str = "plot-source";
-/// The tracker and the recorder.
-const CONSUMERS: usize = 2;
 
 /// Runs the process until the recording ends or it is asked to stop.
 ///
@@ -28,8 +26,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let mut source = Source::open(&chain).map_err(|error| BadInput(error.to_string()))?;
     source.skip_to(chain.run.first_scan);
     let station = Station::enter(NAME, &chain)?;
-    let plots = station.publisher::<Plots>(MAX_PLOTS, CONSUMERS)?;
-    let truth = station.publisher::<Truth>(MAX_TARGETS, 1)?;
+    let plots = station.publisher::<Plots>(MAX_PLOTS, &[Consumer::Tracker, Consumer::Recorder])?;
+    let truth = station.publisher::<Truth>(MAX_TARGETS, &[Consumer::Recorder])?;
     let session = new_session();
     let mut reporter = HealthReporter::new(&station, NAME, session)?;
     reporter.health.rejected = source.rejected().0;

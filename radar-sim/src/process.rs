@@ -8,7 +8,7 @@ use common::config::{ChainConfig, Speed};
 use common::ipc::{Publisher, Station};
 use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM};
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
-use common::services::{Dwells, MAX_TARGETS, Truth};
+use common::services::{Consumer, Dwells, MAX_TARGETS, Truth};
 use common::time::monotonic_ns;
 use common::truth::TruthHeader;
 
@@ -25,8 +25,10 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut simulator = DwellSimulator::new(&chain).map_err(|error| common::process::BadInput(error.to_string()))?;
     let station = Station::enter(NAME, &chain)?;
-    let dwells = station.publisher::<Dwells>(simulator.cells(), 1 + usize::from(chain.recorder.dwells))?;
-    let truth = station.publisher::<Truth>(MAX_TARGETS, 1)?;
+    let consumers = [Consumer::PlotExtractor, Consumer::Recorder];
+    let consumers = if chain.recorder.dwells { &consumers[..] } else { &consumers[..1] };
+    let dwells = station.publisher::<Dwells>(simulator.cells(), consumers)?;
+    let truth = station.publisher::<Truth>(MAX_TARGETS, &[Consumer::Recorder])?;
     let session = new_session();
     let mut reporter = HealthReporter::new(&station, NAME, session)?;
     reporter.health.tracks = chain.sim.targets.len() as u32;

@@ -66,8 +66,10 @@ pub struct Candidate {
     pub plot: usize,
     /// Plot's time minus the prediction's, s.
     pub offset_s: f64,
-    /// λ_m, times ρ_c over the clutter density at the plot.
+    /// λ_m, times ρ_c over the clutter density at the plot, other tracks' claims included.
     pub ratio: f64,
+    /// The same as if there were no other tracks.
+    pub alone: f64,
     /// Sum of squared normalised offsets from the gate's centre (T9).
     pub distance: f64,
 }
@@ -96,6 +98,8 @@ pub struct Surroundings<'a, F> {
     pub detection_probability: f64,
     /// Statistics of the target's power; without, λ = 1.
     pub target: Option<&'a TargetStatistics>,
+    /// By plot: density of other tracks' claims over that of clutter, see [`crate::joint`]; empty without.
+    pub rivals: &'a [f64],
     /// The clutter at (r, β, ε, ṙ).
     pub clutter: F,
 }
@@ -153,8 +157,9 @@ pub fn select(
     };
     let gate = gates[mode];
     let own = rules.gate_probability.unwrap_or_else(|| gate::own_probability(rules.alpha, radar.dimensions()));
-    let in_union =
-        |j: usize| rules.gate_rule == GateRule::Union && (j == first || prediction.probability[j] > rules.union_probability);
+    let in_union = |j: usize| {
+        rules.gate_rule == GateRule::Union && (j == first || prediction.probability[j] > rules.union_probability)
+    };
     let probability = std::array::from_fn(|j| {
         if !rules.gate_probability_by_mode || in_union(j) { own } else { gate.probability(&expected[j], radar) }
     });
@@ -186,7 +191,7 @@ fn search(
             }
         }
         if distance < f64::INFINITY {
-            candidates.push(Candidate { plot, offset_s, ratio: 1.0, distance });
+            candidates.push(Candidate { plot, offset_s, ratio: 1.0, alone: 1.0, distance });
         }
     }
 }
@@ -218,7 +223,9 @@ pub fn weigh<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
             Some(target) if with_statistics => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
             _ => 1.0,
         };
-        candidate.ratio = if parametric { ratio * reference / here.density } else { ratio };
+        candidate.alone = if parametric { ratio * reference / here.density } else { ratio };
+        let rivals = surroundings.rivals.get(candidate.plot).copied().unwrap_or(0.0);
+        candidate.ratio = candidate.alone / (1.0 + rivals);
     }
     let better = |a: &Candidate, b: &Candidate| match rules.association {
         Association::Nearest => a.distance < b.distance,

@@ -77,8 +77,7 @@ impl Gate {
     pub fn holds(&self, offset: &[f64; COORDINATES], measurement: &Measurement) -> bool {
         let square = self.alpha * self.alpha;
         offset[1].abs() <= FRAC_PI_2
-            && (0..COORDINATES)
-                .all(|i| offset[i] * offset[i] <= square * (self.predicted[i] + measurement.variance[i]))
+            && (0..COORDINATES).all(|i| offset[i] * offset[i] <= square * (self.predicted[i] + measurement.variance[i]))
     }
 
     /// Sum of squared normalised offsets: the distance of the nearest-neighbour rule.
@@ -100,11 +99,7 @@ impl Gate {
         let mut product = 1.0;
         for i in (0..COORDINATES).filter(|&i| radar.measured[i]) {
             let sd = (expected.polar_variance[i] + radar.variance[i]).sqrt();
-            let shift = if i == 1 {
-                angle::difference(self.centre[i], centre[i])
-            } else {
-                self.centre[i] - centre[i]
-            };
+            let shift = if i == 1 { angle::difference(self.centre[i], centre[i]) } else { self.centre[i] - centre[i] };
             product *= 0.5
                 * (libm::erf((shift + self.half[i]) / (sd * SQRT_2))
                     - libm::erf((shift - self.half[i]) / (sd * SQRT_2)));

@@ -35,10 +35,7 @@ impl Reach {
     pub fn cells(&self, last: &Measurement, step_s: f64, radar: &Radar) -> f64 {
         let travel_m = self.speed_mps * step_s;
         let reach = [travel_m, travel_m / last.polar[0], travel_m / last.polar[0], self.speed_mps];
-        (0..COORDINATES)
-            .filter(|&i| radar.measured[i])
-            .map(|i| 1.0 + 2.0 * reach[i] / radar.cell[i])
-            .product()
+        (0..COORDINATES).filter(|&i| radar.measured[i]).map(|i| 1.0 + 2.0 * reach[i] / radar.cell[i]).product()
     }
 
     /// How badly two plots `step_s` apart fit one target; `None` if they do not. Smaller is better.

@@ -7,7 +7,8 @@
 //! state         mean and covariance          association  and how much each one is             (T12)
 //! motion        the three modes  (T1)        update       all modes with all plots             (T14)-(T16)
 //! imm           mixing  (T2)-(T4)            start, initiation  two plots make a track         (T17), (T18)
-//! clutter_map   false plots to expect        life         existence, confirmation, end, SNR    (T18), (T19)
+//! clutter_map   false plots to expect        joint        plots that several tracks want
+//!                                            life         existence, confirmation, end, SNR    (T18), (T19)
 //! track         one track between passages   tracker      all of it, one call per message
 //! ```
 //!
@@ -18,6 +19,7 @@ pub mod clutter_map;
 pub mod gate;
 pub mod imm;
 pub mod initiation;
+pub mod joint;
 pub mod life;
 pub mod measurement;
 pub mod motion;

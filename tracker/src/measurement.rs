@@ -54,9 +54,9 @@ impl Measurement {
         let measured = [true, true, plot.has(HAS_ELEVATION), plot.has(HAS_RANGE_RATE)];
         let has_power = plot.has(HAS_STATISTIC);
         let elevation_rad = if measured[2] { plot.elevation_rad } else { 0.0 };
-        let polar = [plot.range_m, plot.azimuth_rad, elevation_rad, if measured[3] { plot.range_rate_mps } else { 0.0 }];
-        let sigma =
-            [plot.sigma_range_m, plot.sigma_azimuth_rad, plot.sigma_elevation_rad, plot.sigma_range_rate_mps];
+        let polar =
+            [plot.range_m, plot.azimuth_rad, elevation_rad, if measured[3] { plot.range_rate_mps } else { 0.0 }];
+        let sigma = [plot.sigma_range_m, plot.sigma_azimuth_rad, plot.sigma_elevation_rad, plot.sigma_range_rate_mps];
         let within = |value: f64, limit: f64| value.is_finite() && value.abs() <= limit;
         let possible = plot.range_m > 0.0
             && within(plot.range_m, 1e7)
@@ -130,8 +130,7 @@ impl LineOfSight {
         let place = Polar::from_enu(&Vector3::from(position));
         let ground = position[0].hypot(position[1]);
         let range_m = place.range_m.max(NEAREST_M);
-        let (sin_b, cos_b) =
-            if ground > 0.0 { (position[0] / ground, position[1] / ground) } else { (0.0, 1.0) };
+        let (sin_b, cos_b) = if ground > 0.0 { (position[0] / ground, position[1] / ground) } else { (0.0, 1.0) };
         let (sin_e, cos_e) =
             if place.range_m > 0.0 { (position[2] / place.range_m, ground / place.range_m) } else { (0.0, 1.0) };
         Self {

@@ -8,7 +8,7 @@ use common::ipc::{Flow, Station, attend};
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, TRUNCATED};
 use common::plots::PlotsHeader;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
-use common::services::{MAX_TRACKS, Plots, Topic, Tracks};
+use common::services::{Consumer, MAX_TRACKS, Plots, Topic, Tracks};
 use common::time::monotonic_ns;
 use common::tracks::{Track, TracksHeader};
 
@@ -25,7 +25,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut tracker = Tracker::new(&chain.tracker, chain.run.first_track)?;
     let station = Station::enter(NAME, &chain)?;
-    let publisher = station.publisher::<Tracks>(MAX_TRACKS, 1)?;
+    let publisher = station.publisher::<Tracks>(MAX_TRACKS, &[Consumer::Recorder])?;
     let wake = station.wake(Topic::Plots)?;
     let plots = station.subscriber::<Plots>()?;
     let session = new_session();

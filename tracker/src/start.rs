@@ -41,8 +41,7 @@ pub fn two_plots(
                 gaussian.covariance[at(a, 3 + b)] = r_last[at(a, b)] / step_s;
             }
             for a in 0..=b {
-                gaussian.covariance[at(3 + a, 3 + b)] =
-                    (r_last[at(a, b)] + r_previous[at(a, b)]) / (step_s * step_s);
+                gaussian.covariance[at(3 + a, 3 + b)] = (r_last[at(a, b)] + r_previous[at(a, b)]) / (step_s * step_s);
             }
         }
         for axis in 0..motion.axes {

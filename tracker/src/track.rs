@@ -81,6 +81,8 @@ pub struct LiveTrack {
     pub searched_to_rad: f64,
     /// The passage to come.
     pub next: Passage,
+    /// The passage before: what the track expected of the turn it has been updated with.
+    pub last: Passage,
     /// Existence and counts.
     pub life: Life,
     /// Signal-to-noise ratio.

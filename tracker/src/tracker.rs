@@ -12,7 +12,7 @@
 
 use std::f64::consts::TAU;
 
-use common::amplitude::Detector;
+use common::amplitude::{Detector, TargetStatistics};
 use common::config::{ConfigError, TrackerConfig};
 use common::health::{Reject, Rejected};
 use common::message::END_OF_STREAM;
@@ -24,13 +24,14 @@ use crate::association::{Rules, Surroundings};
 use crate::clutter_map::ClutterMap;
 use crate::gate::{Gate, Radar};
 use crate::initiation::Reach;
+use crate::joint::{Rival, add_rival};
 use crate::life::{Amplitude, Life};
 use crate::measurement::{COORDINATES, Expected, Measurement};
-use crate::motion::MODES;
+use crate::motion::{CONSTANT_VELOCITY, MANOEUVRE, MODES};
 use crate::plot_store::{Entry, PlotStore};
 use crate::start::two_plots;
 use crate::sweep::{Continuation, Sweep};
-use crate::track::{Kinematics, LastScan, LiveTrack};
+use crate::track::{Kinematics, LastScan, LiveTrack, Passage};
 use crate::update::{Outcome, Workspace, update};
 
 /// Mode probabilities of a new track.
@@ -43,6 +44,10 @@ const EXPLAINED: f64 = 0.2;
 const LEAST_EXISTENCE: f64 = 1e-5;
 /// Scans in which two tracks share their best plot before one of them goes.
 const SHARED_SCANS: u32 = 3;
+/// Tracks nearer than this may want the same plots, cells of range.
+const RIVAL_CELLS: f64 = 5.0;
+/// Passages nearer than this belong to the same turn, turns.
+const RIVAL_TURNS: f64 = 0.4;
 /// Squared distance of two tracks' velocities, in standard deviations, below which they may be one.
 const SAME_VELOCITY: f64 = 9.0;
 /// A prediction is renewed if the beam will pass this much earlier or later than it was made for, s.
@@ -88,6 +93,9 @@ pub struct Tracker {
     due: Vec<usize>,
     /// Plots and weights of the track at hand, reused.
     claims: Vec<(usize, f64)>,
+    /// Other tracks' claims to the plots at hand, reused.
+    rivals: Vec<f64>,
+    scratch: Vec<f64>,
     workspace: Workspace,
 }
 
@@ -109,6 +117,8 @@ impl Tracker {
             next_id: first_id,
             due: Vec::new(),
             claims: Vec::new(),
+            rivals: Vec::new(),
+            scratch: Vec::new(),
             workspace: Workspace::default(),
         })
     }
@@ -140,8 +150,14 @@ impl Tracker {
             match Measurement::from_plot(plot) {
                 Some(measurement) => {
                     let angle_rad = self.sweep.unwrap(header, plot.azimuth_rad);
-                    let entry =
-                        Entry { angle_rad, seq: header.seq, index: index as u32, explained: 0.0, claimed: 0.0, owner: None };
+                    let entry = Entry {
+                        angle_rad,
+                        seq: header.seq,
+                        index: index as u32,
+                        explained: 0.0,
+                        claimed: 0.0,
+                        owner: None,
+                    };
                     self.plots.insert(entry, measurement);
                 }
                 None => taken.rejected.count(Reject::BadPlot),
@@ -177,12 +193,8 @@ impl Tracker {
 
     /// Cells and threshold of the radar; a change of them begins a new clutter map.
     fn learn_radar(&mut self, header: &PlotsHeader) {
-        let cell = [
-            header.cell_range_m,
-            header.cell_azimuth_rad,
-            header.cell_elevation_rad,
-            header.cell_range_rate_mps,
-        ];
+        let cell =
+            [header.cell_range_m, header.cell_azimuth_rad, header.cell_elevation_rad, header.cell_range_rate_mps];
         let measured = [true, true, header.cell_elevation_rad > 0.0, header.cell_range_rate_mps > 0.0];
         let pfa = if header.pfa > 0.0 { header.pfa } else { UNKNOWN_PFA };
         let same = |site: &Site| {
@@ -236,7 +248,7 @@ impl Tracker {
 
     /// One passage of one track.
     fn process(&mut self, index: usize, covered_rad: f64, site: &mut Site) {
-        let Self { config, rules, sweep, plots, tracks, workspace, claims, .. } = self;
+        let Self { config, rules, sweep, plots, tracks, workspace, claims, rivals, scratch, .. } = self;
         let track = &mut tracks[index];
         // Whole turns may have been lost: the passage that counts is the last one covered.
         let lost_turns = ((covered_rad - track.next.due_rad()) / TAU).floor();
@@ -249,23 +261,31 @@ impl Tracker {
             track.next = site.kinematics.at(&track.posterior, track.time_ns, beam_ns, angle_rad, &site.radar);
         }
         let passage = track.next;
-        let seen = sweep.has_seen(passage.angle_rad);
+        let range_m = norm(passage.prediction.modes[MANOEUVRE].position());
+        track.amplitude.look(range_m, config, &site.detector);
         let turn = (passage.angle_rad / TAU).max(0.0) as u32;
-        let clutter = &site.clutter;
-        let statistics = track.amplitude.statistics();
-        let surroundings = Surroundings {
-            radar: &site.radar,
-            detection_probability: match site.threshold_is_known {
-                true => statistics.detection_probability.min(config.detection_probability),
-                false => config.detection_probability,
-            },
-            target: site.threshold_is_known.then_some(statistics),
-            clutter: |polar: &[f64; COORDINATES]| clutter.at(polar, turn, None),
-        };
         let from_rad = (passage.angle_rad - passage.half_width_rad).max(track.searched_to_rad);
         let to_rad = passage.due_rad();
         let range = plots.between(from_rad, to_rad);
         let offered = plots.measurements(range.clone());
+        let clutter = |polar: &[f64; COORDINATES]| site.clutter.at(polar, turn, None);
+        let seen = sweep.has_seen(passage.angle_rad);
+        rivals.clear();
+        if config.joint_association && !offered.is_empty() {
+            for (_, other, expects) in rivals_of(index, tracks, site) {
+                rivals.resize(offered.len(), 0.0);
+                let rival = site.rival(config, other, expects);
+                add_rival(&rival, offered, clutter, rules.inflation, rivals, scratch);
+            }
+        }
+        let track = &mut tracks[index];
+        let surroundings = Surroundings {
+            radar: &site.radar,
+            detection_probability: site.detection_probability(config, &track.amplitude),
+            target: site.statistics(&track.amplitude),
+            rivals,
+            clutter,
+        };
         let outcome = update(&passage.prediction, passage.time_ns, offered, &surroundings, rules, workspace);
         let turns = ((passage.angle_rad - track.angle_rad) / TAU).round().max(1.0) as u32;
         if turns > 1 {
@@ -275,9 +295,8 @@ impl Tracker {
         track.angle_rad = passage.angle_rad;
         track.searched_to_rad = to_rad;
         if seen || outcome.plots_in_gate > 0 {
-            let hit = outcome.weight_none < MISS_WEIGHT;
             track.posterior = outcome.posterior;
-            track.life.observe(outcome.existence_ratio, hit, config);
+            track.life.observe(evidence(&outcome, &track.life), outcome.weight_none < MISS_WEIGHT, config);
         } else {
             track.posterior = passage.prediction;
             track.life.pass(1);
@@ -285,8 +304,9 @@ impl Tracker {
         track.last_scan = last_scan(&outcome, &passage.prediction.modes, offered, &site.radar, plots, range.start);
         for (candidate, weights) in workspace.candidates.iter().zip(&workspace.weights) {
             let weight: f64 = (0..MODES).map(|j| track.posterior.probability[j] * weights[j]).sum();
-            if offered[candidate.plot].has_power {
-                track.amplitude.learn(offered[candidate.plot].power, weight, config, &site.detector);
+            let plot = &offered[candidate.plot];
+            if plot.has_power {
+                track.amplitude.learn(plot.power, weight, plot.polar[0], &site.detector);
             }
             claims.push((range.start + candidate.plot, weight));
         }
@@ -298,6 +318,7 @@ impl Tracker {
             }
         }
         note_shared_plot(track, &outcome, plots, range.start);
+        track.last = passage;
         let (time_ns, angle_rad) = (track.time_ns, track.angle_rad);
         track.next = site.kinematics.passage(&track.posterior, time_ns, angle_rad, 1.0, sweep, &site.radar);
         if !track.next.prediction.is_sound() {
@@ -364,9 +385,9 @@ impl Tracker {
         if !posterior.is_sound() {
             return None;
         }
-        let mut amplitude = Amplitude::prior(&self.config, &site.detector);
+        let mut amplitude = Amplitude::prior(last.polar[0], &self.config, &site.detector);
         for plot in [&previous, last].into_iter().filter(|plot| plot.has_power) {
-            amplitude.learn(plot.power, 1.0, &self.config, &site.detector);
+            amplitude.learn(plot.power, 1.0, plot.polar[0], &site.detector);
         }
         let id = self.next_id;
         self.next_id += 1;
@@ -378,6 +399,7 @@ impl Tracker {
             angle_rad,
             searched_to_rad: angle_rad,
             next: site.kinematics.passage(&posterior, time_ns, angle_rad, 1.0, &self.sweep, &site.radar),
+            last: Passage { prediction: posterior, time_ns, angle_rad, half_width_rad: 0.0 },
             life: Life::start(existence, &self.config),
             amplitude,
             last_scan: LastScan {
@@ -396,14 +418,7 @@ impl Tracker {
     /// odds = (b/F₂) λ₂ · λ₁/(F₁ U)
     /// ```
     /// with b new targets and F false plots per cell, U the cells that the first plot could have been in.
-    fn start_existence(
-        &self,
-        previous: &Measurement,
-        last: &Measurement,
-        step_s: f64,
-        turn: u32,
-        site: &Site,
-    ) -> f64 {
+    fn start_existence(&self, previous: &Measurement, last: &Measurement, step_s: f64, turn: u32, site: &Site) -> f64 {
         let target = site.detector.target(self.config.swerling, from_db(self.config.snr_db));
         let evidence = |plot: &Measurement| {
             let here = site.clutter.at(&plot.polar, turn, Some(previous));
@@ -437,6 +452,60 @@ impl Tracker {
         }
         best.map(|(_, index, step_s)| (self.plots.measurements(index..index + 1)[0], step_s))
     }
+}
+
+impl Site {
+    /// D of a track.
+    fn detection_probability(&self, config: &TrackerConfig, amplitude: &Amplitude) -> f64 {
+        match self.statistics(amplitude) {
+            Some(statistics) => statistics.detection_probability.min(config.detection_probability),
+            None => config.detection_probability,
+        }
+    }
+
+    /// Statistics of a track's power, where the radar's threshold is known.
+    fn statistics<'a>(&self, amplitude: &'a Amplitude) -> Option<&'a TargetStatistics> {
+        self.threshold_is_known.then(|| amplitude.statistics())
+    }
+
+    /// A track as one that competes for plots.
+    fn rival<'a>(&self, config: &TrackerConfig, track: &'a LiveTrack, passage: &'a Passage) -> Rival<'a> {
+        Rival {
+            passage,
+            existence: track.life.existence,
+            detection_probability: self.detection_probability(config, &track.amplitude),
+            target: self.statistics(&track.amplitude),
+        }
+    }
+}
+
+/// The confirmed tracks that may want the same plots as track `index` in this turn, with what they expect of it.
+fn rivals_of<'a>(
+    index: usize,
+    tracks: &'a [LiveTrack],
+    site: &'a Site,
+) -> impl Iterator<Item = (usize, &'a LiveTrack, &'a Passage)> {
+    let own = &tracks[index].next;
+    let reach_m = RIVAL_CELLS * site.radar.cell[0];
+    let centre = own.prediction.modes[CONSTANT_VELOCITY].position();
+    tracks.iter().enumerate().filter_map(move |(other, track)| {
+        if other == index || !track.life.is_confirmed() {
+            return None;
+        }
+        let expects = [&track.next, &track.last]
+            .into_iter()
+            .find(|passage| (passage.angle_rad - own.angle_rad).abs() < RIVAL_TURNS * TAU)?;
+        let position = expects.prediction.modes[CONSTANT_VELOCITY].position();
+        let square: f64 = (0..3).map(|axis| (position[axis] - centre[axis]).powi(2)).sum();
+        (square < reach_m * reach_m).then_some((other, track, expects))
+    })
+}
+
+/// L of (T18). Where other tracks claim the plots of a confirmed one, two targets may have become a single plot: that
+/// speaks neither for it nor against it.
+fn evidence(outcome: &Outcome, life: &Life) -> f64 {
+    let merged = life.is_confirmed() && outcome.existence_ratio < 1.0 && outcome.ratio_alone > 1.0;
+    if merged { 1.0 } else { outcome.existence_ratio }
 }
 
 /// What a message says of the scan.
@@ -498,6 +567,11 @@ fn velocity_distance(a: &LiveTrack, b: &LiveTrack) -> f64 {
             if variance > 0.0 { difference * difference / variance } else { 0.0 }
         })
         .sum()
+}
+
+/// |p|.
+fn norm(p: [f64; 3]) -> f64 {
+    p.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// Whether a header can be worked with.

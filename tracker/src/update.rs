@@ -43,6 +43,8 @@ pub struct Outcome {
     pub mode_none: [f64; MODES],
     /// Likelihood ratio "there is a target" to "there is none" (T18).
     pub existence_ratio: f64,
+    /// The same as if there were no other tracks.
+    pub ratio_alone: f64,
     /// Σ_j W_j w_j0.
     pub weight_none: f64,
     /// Index of the plot of largest Σ_j W_j w_jm among those offered, and that weight.
@@ -82,20 +84,25 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
     let mut mode_likelihood = missed;
     let mut ln_likelihood = [0.0; MODES];
     let mut mode_none = [1.0; MODES];
-    let mut existence_ratio = 0.0;
+    let (mut existence_ratio, mut ratio_alone) = (0.0, 0.0);
     for j in 0..MODES {
         if candidates.is_empty() {
             existence_ratio += prediction.probability[j] * missed[j];
+            ratio_alone = existence_ratio;
             ln_likelihood[j] = missed[j].ln();
             continue;
         }
         let none = if hard { 0.0 } else { density * missed[j] / d };
-        let sums = Sums::over(candidates, plots, &expected[j], rules.inflation, hard, |m, weight| weights[m][j] = weight);
+        let sums =
+            Sums::over(candidates, plots, &expected[j], rules.inflation, hard, |m, weight| weights[m][j] = weight);
         let total = none + sums.weight;
         mode_likelihood[j] = if hard { sums.ln_best.exp() } else { total };
         ln_likelihood[j] = if hard { sums.ln_best } else { total.ln() };
-        existence_ratio += prediction.probability[j]
-            * if hard { missed[j] + d * sums.ln_best.exp() * candidates[0].ratio / density } else { total * d / density };
+        let ratio = |sum: f64, one: f64| {
+            if hard { missed[j] + d * sums.ln_best.exp() * one / density } else { (none + sum) * d / density }
+        };
+        existence_ratio += prediction.probability[j] * ratio(sums.weight, candidates[0].ratio);
+        ratio_alone += prediction.probability[j] * ratio(sums.alone, candidates[0].alone);
         if total > 0.0 && total.is_finite() {
             mode_none[j] = none / total;
             for weight in weights.iter_mut() {
@@ -126,6 +133,7 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
         mode_likelihood,
         mode_none,
         existence_ratio,
+        ratio_alone,
         weight_none: mixed(&mode_none),
         best,
     }
@@ -148,6 +156,8 @@ fn reweight(probability: &mut [f64; MODES], ln_likelihood: [f64; MODES]) {
 struct Sums {
     /// Σ_m e_m λ_m (1 for a hard decision).
     weight: f64,
+    /// The same as if there were no other tracks.
+    alone: f64,
     /// Σ_m e_m λ_m y_m.
     y: [f64; COORDINATES],
     /// Σ_m e_m λ_m (y_m y_mᵀ − D_m⁻¹), packed.
@@ -165,8 +175,13 @@ impl Sums {
         hard: bool,
         mut note: impl FnMut(usize, f64),
     ) -> Self {
-        let mut sums =
-            Self { weight: 0.0, y: [0.0; COORDINATES], spread: [0.0; PACKED_4], ln_best: f64::NEG_INFINITY };
+        let mut sums = Self {
+            weight: 0.0,
+            alone: 0.0,
+            y: [0.0; COORDINATES],
+            spread: [0.0; PACKED_4],
+            ln_best: f64::NEG_INFINITY,
+        };
         let mut factored: Option<(usize, Likelihood)> = None;
         for (m, candidate) in candidates.iter().enumerate() {
             let plot = &plots[candidate.plot];
@@ -181,7 +196,9 @@ impl Sums {
             let d = expected.innovation(plot, candidate.offset_s);
             let y = likelihood.solve(d);
             let ln_e = likelihood.ln_peak - 0.5 * (d[0] * y[0] + d[1] * y[1] + d[2] * y[2] + d[3] * y[3]);
-            let weight = if hard { 1.0 } else { ln_e.exp() * candidate.ratio };
+            let e = ln_e.exp();
+            let weight = if hard { 1.0 } else { e * candidate.ratio };
+            sums.alone += e * candidate.alone;
             note(m, weight);
             sums.ln_best = ln_e;
             sums.weight += weight;

@@ -201,6 +201,7 @@ impl Check {
             radar: &radar,
             detection_probability: target.detection_probability,
             target: Some(&target),
+            rivals: &[],
             clutter,
         };
         let mut workspace = Workspace::default();

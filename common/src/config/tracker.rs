@@ -73,6 +73,8 @@ pub struct TrackerConfig {
     pub range_rate_inflation: f64,
     /// `pda-statistics`, `pda`, `nearest` or `strongest` (T12).
     pub association: Association,
+    /// Whether tracks take account of each other's claims to plots (linear multi-target approximation).
+    pub joint_association: bool,
     /// `parametric` or `non-parametric` clutter (T12).
     pub clutter: Clutter,
     /// False plots per resolution cell and scan that are always expected, also where none were seen.
@@ -123,6 +125,7 @@ impl Default for TrackerConfig {
             gate_probability_by_mode: true,
             range_rate_inflation: 0.0,
             association: Association::PdaStatistics,
+            joint_association: true,
             clutter: Clutter::Parametric,
             clutter_floor: 1e-7,
             clutter_map_scans: 30,

@@ -5,16 +5,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use iceoryx2::port::BackpressureAction;
+use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
-use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 
 use super::IpcError;
 use super::domain::{Domain, LOANED, clean_dead_nodes};
-use super::station::{DataService, EventService, Ipc};
+use super::station::{DataService, Ipc, PublisherServices};
 use crate::config::Mode;
 use crate::process;
-use crate::services::Message;
+use crate::services::{Consumer, Message};
 
 /// How often a publisher that waits looks for dead consumers, ms.
 const CLEAN_INTERVAL_MS: u64 = 50;
@@ -33,21 +33,27 @@ pub struct Publisher<M: Message> {
     port: iceoryx2::port::publisher::Publisher<Ipc, [M::Element], M::Header>,
     notifier: Notifier<Ipc>,
     service: DataService<M>,
+    ready: Listener<Ipc>,
     domain: Domain,
     mode: Mode,
+    /// Consumers that have not yet connected, one bit each.
+    awaited: Cell<u32>,
     consumers: usize,
     started: Cell<bool>,
 }
 
 impl<M: Message> Publisher<M> {
     pub(super) fn new(
-        service: DataService<M>,
-        event: &EventService,
+        services: PublisherServices<M>,
         mode: Mode,
         domain: &Domain,
         max_elements: usize,
-        consumers: usize,
+        consumers: &[Consumer],
     ) -> Result<Self, IpcError> {
+        let failed = |reason| IpcError::Port { port: "publisher", topic: M::TOPIC.name(), reason };
+        let PublisherServices { data: service, arrival, ready } = services;
+        // Before the port: no consumer may find the one without reaching the other.
+        let ready = ready.listener_builder().create().map_err(|cause| failed(format!("{cause:?}")))?;
         let builder = service
             .publisher_builder()
             .initial_max_slice_len(max_elements)
@@ -72,16 +78,19 @@ impl<M: Message> Publisher<M> {
                 )
             }
         };
-        let failed = |reason| IpcError::Port { port: "publisher", topic: M::TOPIC.name(), reason };
-        Ok(Self {
+        let this = Self {
             port: builder.create().map_err(|cause| failed(format!("{cause:?}")))?,
-            notifier: event.notifier_builder().create().map_err(|cause| failed(format!("{cause:?}")))?,
+            notifier: arrival.notifier_builder().create().map_err(|cause| failed(format!("{cause:?}")))?,
             service,
+            ready,
             domain: domain.clone(),
             mode,
-            consumers,
+            awaited: Cell::new(consumers.iter().fold(0, |bits, &consumer| bits | 1 << consumer as u32)),
+            consumers: consumers.len(),
             started: Cell::new(false),
-        })
+        };
+        this.wake(); // consumers look for a new publisher when they are woken
+        Ok(this)
     }
 
     /// Sends a message of `length` elements that `write` fills in shared memory, in place;
@@ -128,18 +137,20 @@ impl<M: Message> Publisher<M> {
     /// Waits until the required consumers are connected: in lossless mode before every
     /// message and for ever, in real time only before the first and not for long.
     ///
+    /// A subscriber that exists is not yet connected: iceoryx2 drops what does not fit
+    /// into the queue of one that has not looked for this publisher, whatever the
+    /// backpressure strategy. So each consumer says on an event of its own that it has.
+    ///
     /// # Errors
     /// [`IpcError::Stopped`] if the user asks to stop meanwhile.
     pub fn wait_for_consumers(&self) -> Result<(), IpcError> {
-        let present = || self.service.dynamic_config().number_of_subscribers();
-        if self.consumers == 0 || present() >= self.consumers || (self.mode == Mode::RealTime && self.started.get()) {
+        if self.mode == Mode::RealTime && self.started.get() || self.has_consumers() {
             self.started.set(true);
             return Ok(());
         }
         let topic = M::TOPIC.name();
-        tracing::debug!(topic, present = present(), wanted = self.consumers, "waiting for consumers");
         let (began, mut cleaned, mut told) = (Instant::now(), Instant::now(), false);
-        while present() < self.consumers {
+        while !self.has_consumers() {
             if process::stop_requested() && !self.started.get() {
                 return Err(IpcError::Stopped { topic });
             }
@@ -152,13 +163,22 @@ impl<M: Message> Publisher<M> {
             }
             if !told && began.elapsed() > Duration::from_secs(2) {
                 told = true;
-                tracing::warn!(topic, present = present(), wanted = self.consumers, "waiting for consumers");
+                tracing::warn!(topic, "waiting for consumers");
             }
             std::thread::sleep(Duration::from_millis(1));
         }
         self.started.set(true);
-        let _ = self.port.update_connections();
         Ok(())
+    }
+
+    /// Whether all required consumers are there and have connected.
+    fn has_consumers(&self) -> bool {
+        if self.awaited.get() != 0 {
+            let _ = self.ready.try_wait(|event| {
+                self.awaited.set(self.awaited.get() & !(1_u32 << (event.id.as_value() as u32 & 31)));
+            });
+        }
+        self.awaited.get() == 0 && self.service.dynamic_config().number_of_subscribers() >= self.consumers
     }
 
     /// Stays until the consumers have left, at most two seconds: what a publisher sends

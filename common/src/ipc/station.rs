@@ -6,7 +6,7 @@ use iceoryx2::service::port_factory::{event, publish_subscribe};
 use super::domain::{BORROWED, Domain};
 use super::{IpcError, Publisher, Subscriber, Wake};
 use crate::config::{ChainConfig, Mode};
-use crate::services::{Dwells, HealthReports, Message, Plots, Topic, Tracks, Truth};
+use crate::services::{ALL_TOPICS, Consumer, Dwells, HealthReports, Message, Plots, Topic, Tracks, Truth};
 
 pub(super) type Ipc = ipc::Service;
 pub(super) type DataService<M> = publish_subscribe::PortFactory<Ipc, [<M as Message>::Element], <M as Message>::Header>;
@@ -19,6 +19,14 @@ pub struct Station {
     domain: Domain,
     site: String,
     mode: Mode,
+    consumer: Consumer,
+}
+
+/// What a publisher needs: its messages, telling of their arrival, being told of consumers.
+pub(super) struct PublisherServices<M: Message> {
+    pub(super) data: DataService<M>,
+    pub(super) arrival: EventService,
+    pub(super) ready: EventService,
 }
 
 /// All services of a site, held open so that no death of a stage can leave one half made.
@@ -48,7 +56,7 @@ impl Station {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()
             .map_err(|cause| error(format!("{cause:?}")))?;
-        Ok(Self { node, domain, site: chain.site.name.clone(), mode: chain.run.mode })
+        Ok(Self { node, domain, site: chain.site.name.clone(), mode: chain.run.mode, consumer: Consumer::of(name) })
     }
 
     /// The domain.
@@ -61,28 +69,26 @@ impl Station {
     /// # Errors
     /// [`IpcError::Service`] if one exists with another version or mode.
     pub fn keep_services(&self) -> Result<Keeper, IpcError> {
-        let events = [Topic::Dwells, Topic::Plots, Topic::Tracks, Topic::Truth, Topic::Health];
+        let names = ALL_TOPICS.map(|topic| [self.service_name(topic), self.ready_name(topic)]);
         Ok(Keeper {
             _services: (self.data::<Dwells>()?, self.data::<Plots>()?, self.data::<Tracks>()?, self.data::<Truth>()?),
             _health: self.data::<HealthReports>()?,
-            _events: events.into_iter().map(|topic| self.event(topic)).collect::<Result<_, _>>()?,
+            _events: names.iter().flatten().map(|name| self.event(name)).collect::<Result<_, _>>()?,
         })
     }
 
     /// The publisher of a topic, for messages of at most `max_elements`. In lossless
-    /// mode it does not send before `consumers` subscribers are there.
+    /// mode it does not send before `consumers` are connected.
     ///
     /// # Errors
     /// [`IpcError`].
-    pub fn publisher<M: Message>(&self, max_elements: usize, consumers: usize) -> Result<Publisher<M>, IpcError> {
-        Publisher::new(
-            self.data::<M>()?,
-            &self.event(M::TOPIC)?,
-            self.policy::<M>(),
-            &self.domain,
-            max_elements,
-            consumers,
-        )
+    pub fn publisher<M: Message>(&self, max_elements: usize, consumers: &[Consumer]) -> Result<Publisher<M>, IpcError> {
+        let services = PublisherServices {
+            data: self.data::<M>()?,
+            arrival: self.event(&self.service_name(M::TOPIC))?,
+            ready: self.event(&self.ready_name(M::TOPIC))?,
+        };
+        Publisher::new(services, self.policy::<M>(), &self.domain, max_elements, consumers)
     }
 
     /// A subscriber to a topic.
@@ -90,7 +96,7 @@ impl Station {
     /// # Errors
     /// [`IpcError`].
     pub fn subscriber<M: Message>(&self) -> Result<Subscriber<M>, IpcError> {
-        Subscriber::new(self.data::<M>()?)
+        Subscriber::new(self.data::<M>()?, &self.event(&self.ready_name(M::TOPIC))?, self.consumer)
     }
 
     /// What [`super::attend`] needs to be woken by messages of a topic.
@@ -98,7 +104,7 @@ impl Station {
     /// # Errors
     /// [`IpcError`].
     pub fn wake(&self, topic: Topic) -> Result<Wake, IpcError> {
-        Wake::new(&self.event(topic)?, topic)
+        Wake::new(&self.event(&self.service_name(topic))?, topic)
     }
 
     /// Health reports are never waited for, whatever the mode of the chain.
@@ -108,6 +114,11 @@ impl Station {
 
     fn service_name(&self, topic: Topic) -> String {
         format!("radar/{}/{}", self.site, topic.name())
+    }
+
+    /// Event service on which subscribers of a topic tell a new publisher that they have found it.
+    fn ready_name(&self, topic: Topic) -> String {
+        format!("{}/ready", self.service_name(topic))
     }
 
     fn data<M: Message>(&self) -> Result<DataService<M>, IpcError> {
@@ -142,17 +153,17 @@ impl Station {
             .map_err(|cause| error(explain(&format!("{cause:?}"))))
     }
 
-    fn event(&self, topic: Topic) -> Result<EventService, IpcError> {
-        let service = self.service_name(topic);
+    fn event(&self, service: &str) -> Result<EventService, IpcError> {
         let error =
-            |reason: String| IpcError::Service { service: service.clone(), schema: "event", mode: "event", reason };
-        let name = ServiceName::new(&service).map_err(|cause| error(format!("{cause:?}")))?;
+            |reason: String| IpcError::Service { service: service.to_string(), schema: "event", mode: "event", reason };
+        let name = ServiceName::new(service).map_err(|cause| error(format!("{cause:?}")))?;
         self.node
             .service_builder(&name)
             .event()
             .max_nodes(MAX_NODES)
+            .event_id_max_value(Consumer::KINDS)
             .max_notifiers(HealthReports::PUBLISHERS)
-            .max_listeners(HealthReports::SUBSCRIBERS)
+            .max_listeners(HealthReports::PUBLISHERS)
             .open_or_create()
             .map_err(|cause| error(explain(&format!("{cause:?}"))))
     }

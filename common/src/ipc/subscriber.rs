@@ -2,13 +2,14 @@
 
 use std::cell::{Cell, RefCell};
 
-use iceoryx2::prelude::PortFactory;
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::prelude::*;
 
 use super::IpcError;
 use super::intake::count_intake;
-use super::station::{DataService, Ipc};
+use super::station::{DataService, EventService, Ipc};
 use crate::health::Intake;
-use crate::services::Message;
+use crate::services::{Consumer, Message};
 
 /// Receives messages of one topic and counts the missing ones.
 pub struct Subscriber<M: Message> {
@@ -16,7 +17,12 @@ pub struct Subscriber<M: Message> {
     port: iceoryx2::port::subscriber::Subscriber<Ipc, [M::Element], M::Header>,
     intake: RefCell<Intake>,
     session: Cell<u64>,
+    ready: Notifier<Ipc>,
+    known_publishers: Cell<[u128; MAX_PUBLISHERS]>,
 }
+
+/// Publishers of a topic that are told apart.
+const MAX_PUBLISHERS: usize = 16;
 
 /// A message in shared memory; it is given back when dropped.
 pub struct Received<M: Message> {
@@ -38,9 +44,15 @@ impl<M: Message> Received<M> {
 }
 
 impl<M: Message> Subscriber<M> {
-    pub(super) fn new(service: DataService<M>) -> Result<Self, IpcError> {
+    pub(super) fn new(service: DataService<M>, ready: &EventService, consumer: Consumer) -> Result<Self, IpcError> {
         let port = service.subscriber_builder().create().map_err(|cause| Self::failed(&cause))?;
-        Ok(Self { service, port, intake: RefCell::default(), session: Cell::new(0) })
+        let ready = ready
+            .notifier_builder()
+            .default_event_id(EventId::new(consumer as usize))
+            .create()
+            .map_err(|cause| Self::failed(&cause))?;
+        let (intake, session, known_publishers) = (RefCell::default(), Cell::new(0), Cell::default());
+        Ok(Self { service, port, intake, session, ready, known_publishers })
     }
 
     /// The next message, if one is waiting.
@@ -48,12 +60,31 @@ impl<M: Message> Subscriber<M> {
     /// # Errors
     /// [`IpcError::Port`].
     pub fn receive(&self) -> Result<Option<Received<M>>, IpcError> {
-        let Some(sample) = self.port.receive().map_err(|cause| Self::failed(&cause))? else { return Ok(None) };
+        let publishers = self.publisher_ids();
+        let Some(sample) = self.port.receive().map_err(|cause| Self::failed(&cause))? else {
+            if publishers != self.known_publishers.get() {
+                // `receive` has connected to them: now a full queue of theirs waits instead of losing.
+                self.known_publishers.set(publishers);
+                let _ = self.ready.notify();
+            }
+            return Ok(None);
+        };
         let (session, seq) = M::place(sample.user_header());
         let mut last_session = self.session.get();
         let missing = count_intake(&mut self.intake.borrow_mut(), &mut last_session, session, seq);
         self.session.set(last_session);
         Ok(Some(Received { sample, missing }))
+    }
+
+    /// Identities of the publishers there are, in no order; 0 for none.
+    fn publisher_ids(&self) -> [u128; MAX_PUBLISHERS] {
+        let (mut ids, mut count) = ([0; MAX_PUBLISHERS], 0);
+        self.service.dynamic_config().list_publishers(|details| {
+            ids[count % MAX_PUBLISHERS] = details.publisher_id.value();
+            count += 1;
+            CallbackProgression::Continue
+        });
+        ids
     }
 
     /// Publishers connected now.
