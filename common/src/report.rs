@@ -100,6 +100,8 @@ pub struct Detection {
     pub pd_measured: Option<f64>,
     /// Plots.
     pub plots: u64,
+    /// Sights of visible targets that were too close to another to count in the shares and errors.
+    pub unresolved: Option<u64>,
     /// Plots near no target (clutter included).
     pub false_plots: Option<u64>,
     /// Mean squared error over variance of plots of targets, by axis; 1 is right.
@@ -272,6 +274,7 @@ impl Detection {
         let mut lines = Lines(out);
         lines.whole("plots", Some(self.plots))?;
         lines.whole("false plots", self.false_plots)?;
+        lines.whole("unresolved sights", self.unresolved)?;
         lines.share("detected", self.pd_measured)?;
         lines.share("detected, expected", self.pd_expected)?;
         if let (Some(measured), Some([low, high])) = (self.pfa_measured, self.pfa_interval) {

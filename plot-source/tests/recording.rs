@@ -46,7 +46,7 @@ fn every_record_of_the_radar_is_read() {
     assert_eq!(count(&records, MessageType::StartOfUpdateCycle), RADAR_CYCLES);
     assert!(records.iter().all(|record| record.source_id == Some(7)));
     let first = records[0];
-    assert_eq!(first.time_of_day, Some((28_801.5625 * 128.0) as u32));
+    assert_eq!(first.time_of_day, Some((28_801.562_5 * 128.0) as u32));
     let (range_m, azimuth_rad) = first.polar.expect("a position");
     assert!((range_m - 1059.0).abs() < 1e-9 && (azimuth_rad.to_degrees() - 15.62).abs() < 0.01);
     // Polar and Cartesian position of a record are the same place, to rounding.

@@ -31,8 +31,8 @@ pub(crate) fn export(path: &Path, topics: &[Topic], format: Format, out: &Path) 
         ExportError::Recording(error) => in_file(path, &error),
         other => BadInput(other.to_string()),
     })?;
-    let lines: String = files.iter().map(|(file, rows)| format!("{} {rows} rows\n", file.display())).collect();
-    say(&lines)
+    let lines: Vec<String> = files.iter().map(|(file, rows)| format!("{} {rows} rows\n", file.display())).collect();
+    say(&lines.concat())
 }
 
 /// Compares two recordings: exit code 0 if they are equal, 1 with the first difference.

@@ -95,7 +95,7 @@ struct Output {
 }
 
 enum Sink {
-    Csv(csv::Writer<File>),
+    Csv(Box<csv::Writer<File>>),
     JsonLines(jsonl::Writer<BufWriter<File>>),
 }
 
@@ -107,7 +107,7 @@ impl Output {
             Format::Csv => {
                 let mut table = csv::Writer::from_writer(file);
                 table.write_record(columns(topic))?;
-                Sink::Csv(table)
+                Sink::Csv(Box::new(table))
             }
         };
         Ok(Self { path, rows: 0, sink })

@@ -31,7 +31,7 @@ impl Run {
 
     /// The files that there are already, in order.
     pub fn earlier_parts(&self) -> Vec<PathBuf> {
-        (0..).map(|number| self.part(number)).take_while(|path| path.exists()).collect()
+        (0..u32::MAX).map(|number| self.part(number)).take_while(|path| path.exists()).collect()
     }
 
     /// Begins the next file.

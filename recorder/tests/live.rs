@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use common::config::{self, ChainConfig};
@@ -16,10 +17,14 @@ use common::truth::{TruthHeader, TruthTarget, VISIBLE};
 
 const SECTORS: u64 = 8;
 /// A test that takes longer has run into a deadlock.
-const DEADLOCK: Duration = Duration::from_secs(60);
+const DEADLOCK: Duration = Duration::from_secs(20);
 
-/// A chain of this test, in a domain and folder of its own.
+/// iceoryx2 has one domain per process: the tests of this file share it, one after the other.
+static DOMAIN: Mutex<()> = Mutex::new(());
+
+/// A chain of this test, in a folder of its own.
 struct Chain {
+    _alone: MutexGuard<'static, ()>,
     folder: tempfile::TempDir,
     settings: Vec<String>,
     config: ChainConfig,
@@ -27,12 +32,12 @@ struct Chain {
 }
 
 impl Chain {
-    fn new(name: &str) -> Self {
+    fn new() -> Self {
+        let alone = DOMAIN.lock().unwrap_or_else(PoisonError::into_inner);
         let folder = tempfile::tempdir().expect("a folder");
         let path = |file: &str| folder.path().join(file).display().to_string();
         let settings = vec![
-            format!("ipc.prefix=rec-{name}-{}", std::process::id()),
-            format!("ipc.root={}", folder.path().display()),
+            format!("ipc.prefix=recorder-test-{}", std::process::id()),
             format!("recorder.directory={}", path("recordings")),
             format!("recorder.report={}", path("report.json")),
             "run.id=test".to_string(),
@@ -40,7 +45,7 @@ impl Chain {
         ];
         let config = config::load(None, &settings).expect("a valid configuration");
         let station = Station::enter("test", &config).expect("a domain");
-        Self { folder, settings, config, station }
+        Self { _alone: alone, folder, settings, config, station }
     }
 
     fn recorder(&self) -> Recorder {
@@ -180,7 +185,7 @@ fn name(path: &Path) -> &str {
 
 #[test]
 fn a_whole_run_is_recorded_and_reported() {
-    let chain = Chain::new("whole");
+    let chain = Chain::new();
     let mut child = chain.recorder();
     let end = 20 * SECTORS;
     let stages = Stages::new(&chain.station);
@@ -189,7 +194,6 @@ fn a_whole_run_is_recorded_and_reported() {
     assert_eq!(child.wait().code(), Some(0));
 
     let report = chain.report();
-    eprintln!("DEBUG {:?} {:?}", report.loss, recorder(&["info", name(&chain.part(0))]));
     assert_eq!((report.scans, report.messages["tracks"], report.messages["plots"]), (20, end, end));
     assert_eq!(report.lost(), 0);
     assert!(report.comparable);
@@ -221,7 +225,7 @@ fn a_whole_run_is_recorded_and_reported() {
 
 #[test]
 fn a_recorder_killed_and_restarted_reports_the_whole_run_and_its_own_loss() {
-    let chain = Chain::new("killed");
+    let chain = Chain::new();
     let mut child = chain.recorder();
     let end = 60 * SECTORS;
     let stages = Stages::new(&chain.station);
@@ -255,7 +259,7 @@ fn a_recorder_killed_and_restarted_reports_the_whole_run_and_its_own_loss() {
 
 #[test]
 fn a_folder_that_cannot_be_written_is_one_line_and_exit_code_2() {
-    let chain = Chain::new("folder");
+    let chain = Chain::new();
     let file = chain.folder.path().join("taken");
     std::fs::write(&file, "a file").expect("written");
     let setting = format!("recorder.directory={}", file.display());

@@ -115,8 +115,11 @@ struct Bin {
 
 impl Bin {
     fn at(self, scan: u32, memory_scans: f64) -> Self {
-        let age = scan.saturating_sub(self.scan).min(1 << 20);
-        let keep = (1.0 - 1.0 / memory_scans.max(1.0)).powi(age as i32) as f32;
+        let age = scan.saturating_sub(self.scan);
+        if age == 0 {
+            return self;
+        }
+        let keep = (1.0 - 1.0 / memory_scans.max(1.0)).powf(f64::from(age)) as f32;
         Self { plots: self.plots * keep, excess: self.excess * keep, scan }
     }
 }

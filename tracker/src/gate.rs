@@ -110,5 +110,5 @@ impl Gate {
 
 /// P_G of a gate of half width α standard deviations in each of `dimensions` coordinates.
 pub fn own_probability(alpha: f64, dimensions: usize) -> f64 {
-    libm::erf(alpha / SQRT_2).powi(dimensions as i32)
+    libm::erf(alpha / SQRT_2).powf(dimensions as f64)
 }

@@ -46,6 +46,7 @@ impl Imm {
     /// ```
     ///
     /// F is the destination mode's; only the states it keeps are mixed.
+    #[must_use]
     pub fn predict(&self, transition: &Transition, motion: &Motion, dt_s: f64) -> Self {
         let mut predicted = Self { modes: [Gaussian::ZERO; MODES], probability: [0.0; MODES] };
         for (j, &n) in DIMENSIONS.iter().enumerate() {

@@ -12,7 +12,10 @@
 //! track         one track between passages   tracker      all of it, one call per message
 //! ```
 //!
-//! Pure: no clock, file, shared memory or thread. Formulas: `docs/theory/imm-pda.md`.
+//! Pure: no clock, file, shared memory or thread (but for [`replay`], which reads and writes). Formulas:
+//! `docs/theory/imm-pda.md`.
+
+#![expect(clippy::needless_range_loop, reason = "one index into several arrays reads like the formula")]
 
 pub mod association;
 pub mod clutter_map;

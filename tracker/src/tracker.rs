@@ -135,7 +135,9 @@ impl Tracker {
         match self.sweep.advance(header) {
             Continuation::Onwards => {}
             Continuation::Late => {
-                plots.iter().for_each(|_| taken.rejected.count(Reject::Late));
+                for _ in plots {
+                    taken.rejected.count(Reject::Late);
+                }
                 return self.counted(taken);
             }
             Continuation::Anew => {
@@ -192,6 +194,7 @@ impl Tracker {
     }
 
     /// Cells and threshold of the radar; a change of them begins a new clutter map.
+    #[expect(clippy::float_cmp, reason = "a header says the same or it does not")]
     fn learn_radar(&mut self, header: &PlotsHeader) {
         let cell =
             [header.cell_range_m, header.cell_azimuth_rad, header.cell_elevation_rad, header.cell_range_rate_mps];

@@ -111,7 +111,9 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
             sums.apply(1.0 / total, &expected[j], DIMENSIONS[j], &mut posterior.modes[j]);
         } else {
             mode_likelihood[j] = none;
-            weights.iter_mut().for_each(|weight| weight[j] = 0.0);
+            for weight in weights.iter_mut() {
+                weight[j] = 0.0;
+            }
         }
     }
     reweight(&mut posterior.probability, ln_likelihood);
@@ -237,6 +239,7 @@ impl Sums {
 }
 
 /// Whether two plots have the same D.
+#[expect(clippy::float_cmp, reason = "equal bits or another D")]
 fn shares_errors(a: &Measurement, b: &Measurement) -> bool {
     a.variance == b.variance && a.measured == b.measured
 }

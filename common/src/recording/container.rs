@@ -239,7 +239,6 @@ impl<R: Read> Reader<R> {
     fn advance(&mut self) -> Option<Result<Recorded, RecordingError>> {
         while !self.ended {
             let found = match self.mcap.next_event() {
-                None => Ok(None),
                 Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
                     let read = read(&mut self.input, self.mcap.insert(wanted));
                     match read {
@@ -253,7 +252,7 @@ impl<R: Read> Reader<R> {
                 }
                 Some(Ok(LinearReadEvent::Record { opcode, data })) => mcap::parse_record(opcode, data).map(Some),
                 // The end of a file that was cut: what is whole has been given out.
-                Some(Err(mcap::McapError::UnexpectedEof)) => Ok(None),
+                Some(Err(mcap::McapError::UnexpectedEof)) | None => Ok(None),
                 Some(Err(error)) => Err(error),
             };
             match found {

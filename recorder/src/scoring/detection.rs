@@ -2,7 +2,9 @@
 //!
 //! A plot is a target's if it lies within 6 standard errors or 1.5 cells, whichever is
 //! more, on every axis, and is the nearest such plot of the moment at which the beam passed the
-//! target. Errors are divided by the plot's own standard errors.
+//! target. Errors are divided by the plot's own standard errors. Two targets whose skirts
+//! touch are *unresolved*: they may give one plot between them, so neither is counted among the
+//! visible ones and their plots say nothing about accuracy.
 //!
 //! False alarms are counted in cells: those of plots that are near no target, outside the
 //! region of ground clutter, over the cells tested there. *Near a target* are ±1.5° of azimuth
@@ -62,6 +64,7 @@ pub struct PlotScore {
 struct Counts {
     plots: u64,
     visible: u64,
+    unresolved: u64,
     detected: u64,
     false_plots: u64,
     false_cells: u64,
@@ -127,7 +130,7 @@ impl PlotScore {
 
     /// Scores what is left, and the result.
     pub fn finish(&mut self) -> Detection {
-        let with_truth = self.counts.visible > 0 || !self.pending.is_empty();
+        let with_truth = self.counts.visible + self.counts.unresolved > 0 || !self.pending.is_empty();
         while !self.pending.is_empty() {
             self.score_next();
         }
@@ -147,6 +150,7 @@ impl PlotScore {
             pd_expected: pfa_set.and_then(|_| per_visible(self.expected)),
             pd_measured: per_visible(counts.detected as f64),
             plots: counts.plots,
+            unresolved: with_truth.then_some(counts.unresolved),
             false_plots: with_truth.then_some(counts.false_plots),
             normalised_error_squared: squares
                 .map(|(name, (sum, n))| ((*name).to_string(), sum / n as f64))
@@ -158,13 +162,15 @@ impl PlotScore {
         let Some((header, targets)) = self.pending.pop_front() else { return };
         let Some(cells) = self.last_header else { return };
         let time_gate_ns = ns(header.scan_period_s * TIME_GATE_SCANS);
-        for target in &targets {
-            self.score_target(target, &cells, time_gate_ns);
+        for (index, target) in targets.iter().enumerate() {
+            let others = targets.iter().enumerate().filter(|&(other, _)| other != index);
+            let resolved = !others.into_iter().any(|(_, other)| skirts_touch(target, other, &cells));
+            self.score_target(target, resolved, &cells, time_gate_ns);
         }
         self.settle(header.time_ns.saturating_sub(time_gate_ns));
     }
 
-    fn score_target(&mut self, target: &TruthTarget, cells: &PlotsHeader, time_gate_ns: u64) {
+    fn score_target(&mut self, target: &TruthTarget, resolved: bool, cells: &PlotsHeader, time_gate_ns: u64) {
         let mut best: Option<(f64, usize, [Option<f64>; 4])> = None;
         for (index, candidate) in self.plots.iter_mut().enumerate() {
             if candidate.plot.time_ns.abs_diff(target.time_ns) > time_gate_ns {
@@ -182,16 +188,20 @@ impl PlotScore {
         if let Some((_, index, normalised)) = best {
             self.plots[index].of_target = true;
             for ((sum, n), error) in self.squares.iter_mut().zip(normalised) {
-                if let Some(error) = error {
+                if let Some(error) = error.filter(|_| resolved) {
                     *sum += error * error;
                     *n += 1;
                 }
             }
         }
         if target.has(VISIBLE) {
+            self.cells -= skirt_cells(target, cells, self.dopplers);
+            if !resolved {
+                self.counts.unresolved += 1;
+                return;
+            }
             self.counts.visible += 1;
             self.counts.detected += u64::from(best.is_some());
-            self.cells -= skirt_cells(target, cells, self.dopplers);
             let swerling = target.target_id.checked_sub(1).and_then(|index| self.swerling.get(index as usize));
             if let (Some(&swerling), true) = (swerling, cells.pfa > 0.0) {
                 let snr = from_db(f64::from(target.snr_db));
@@ -264,6 +274,14 @@ impl Offset {
         }
         Some(normalised)
     }
+}
+
+/// Whether the echoes of two targets can cross the threshold in neighbouring cells.
+fn skirts_touch(a: &TruthTarget, b: &TruthTarget, cells: &PlotsHeader) -> bool {
+    let [a, b] = [a, b].map(|target| Polar::from_enu(&Vector3::from(target.position_m())));
+    (a.range_m - b.range_m).abs() <= 2.0 * SKIRT_CELLS * cells.cell_range_m
+        && angle::difference(a.azimuth_rad, b.azimuth_rad).abs() <= 2.0 * SKIRT_RAD
+        && (a.elevation_rad - b.elevation_rad).abs() <= 2.0 * SKIRT_RAD
 }
 
 /// Cells near one target, as [`Offset::within_skirts`] counts them.

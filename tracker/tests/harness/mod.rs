@@ -1,0 +1,169 @@
+//! A radar that turns, for tests: true targets in, `plots` messages out, no cells.
+
+use std::f64::consts::TAU;
+
+use common::angle;
+use common::geometry::{Polar, range_rate_mps};
+use common::message::{END_OF_SCAN, END_OF_STREAM};
+use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot, PlotsHeader};
+use common::random::{Purpose, generator};
+use nalgebra::Vector3;
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution, Exp1, StandardNormal};
+
+/// Sectors in a scan.
+pub(crate) const SECTORS: u32 = 32;
+/// Cells of [L22]: range, azimuth, elevation, range rate.
+pub(crate) const CELL: [f64; 4] = [69.3, 0.006_04, 0.006_04, 34.6];
+/// Start of measurement time, ns.
+pub(crate) const EPOCH_NS: u64 = 1_700_000_000_000_000_000;
+/// Probability of false alarm; gives `false_plots` false plots a scan in this harness.
+pub(crate) const PFA: f64 = 1e-6;
+
+/// A target: position and velocity at a time.
+pub(crate) type Target = fn(f64) -> (Vector3<f64>, Vector3<f64>);
+
+/// What the radar does.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Turning {
+    /// Seed of all draws.
+    pub seed: u64,
+    /// Mean power over noise.
+    pub snr: f64,
+    /// Swerling I if true, else steady power.
+    pub fluctuates: bool,
+    /// False plots a scan.
+    pub false_plots: u32,
+    /// Whether elevation, range rate and statistics are measured.
+    pub full: bool,
+}
+
+impl Default for Turning {
+    fn default() -> Self {
+        Self { seed: 1, snr: 100.0, fluctuates: false, false_plots: 25, full: true }
+    }
+}
+
+/// The messages of `scans` scans.
+pub(crate) fn messages(radar: Turning, targets: &[Target], scans: u32) -> Vec<(PlotsHeader, Vec<Plot>)> {
+    let mut all: Vec<(PlotsHeader, Vec<Plot>)> =
+        (0..scans).flat_map(|scan| (0..SECTORS).map(move |sector| (header(radar, scan, sector), Vec::new()))).collect();
+    let threshold = -PFA.ln();
+    for scan in 0..scans {
+        let mut rng = generator(radar.seed, Purpose::Test, scan, 0);
+        for target in targets {
+            let Some(turned) = passage(*target, scan) else { continue };
+            let time_s = f64::from(scan) + turned;
+            let (position, velocity) = target(time_s);
+            let power = if radar.fluctuates { radar.snr * exponential(&mut rng) } else { radar.snr };
+            let q = power + exponential(&mut rng);
+            if q > threshold {
+                let plot = measured(radar, time_s, &position, &velocity, q, &mut rng);
+                place(&mut all, plot, time_s);
+            }
+        }
+        for _ in 0..radar.false_plots {
+            let azimuth = rng.random::<f64>();
+            let time_s = f64::from(scan) + azimuth;
+            let place_at = Polar {
+                range_m: rng.random_range(200.0..5000.0),
+                azimuth_rad: TAU * azimuth,
+                elevation_rad: if radar.full { rng.random_range(0.0..0.35) } else { 0.0 },
+            };
+            let velocity = Vector3::new(rng.random_range(-60.0..60.0), rng.random_range(-60.0..60.0), 0.0);
+            let q = threshold + exponential(&mut rng);
+            let plot = measured(radar, time_s, &place_at.to_enu(), &velocity, q, &mut rng);
+            place(&mut all, plot, time_s);
+        }
+    }
+    if let Some((header, _)) = all.last_mut() {
+        header.flags |= END_OF_STREAM;
+    }
+    all
+}
+
+/// Into the sector of its azimuth, near the time it was measured.
+fn place(all: &mut [(PlotsHeader, Vec<Plot>)], plot: Plot, time_s: f64) {
+    let turned = plot.azimuth_rad / TAU;
+    let scan = (time_s - turned).round().max(0.0);
+    let index = (scan * f64::from(SECTORS)) as usize + (turned * f64::from(SECTORS)) as usize;
+    if let Some((_, plots)) = all.get_mut(index) {
+        plots.push(plot);
+    }
+}
+
+/// Share of the turn after which the beam meets the target, if it does.
+fn passage(target: Target, scan: u32) -> Option<f64> {
+    // The beam gains on the target: find where it overtakes, by bisection on a fine grid.
+    let ahead = |turned: f64| {
+        let (position, _) = target(f64::from(scan) + turned);
+        angle::difference(position.x.atan2(position.y), TAU * turned)
+    };
+    let steps = 4096;
+    for step in 0..steps {
+        let (a, b) = (f64::from(step) / f64::from(steps), f64::from(step + 1) / f64::from(steps));
+        let (before, after) = (ahead(a), ahead(b));
+        if before >= 0.0 && after < 0.0 && before < 1.0 {
+            return Some(a + (b - a) * before / (before - after));
+        }
+    }
+    None
+}
+
+fn header(radar: Turning, scan: u32, sector: u32) -> PlotsHeader {
+    let at = |sectors: u32| TAU * f64::from(sectors) / f64::from(SECTORS);
+    let full = |cell: f64| if radar.full { cell } else { 0.0 };
+    PlotsHeader {
+        seq: u64::from(scan * SECTORS + sector),
+        session: 1,
+        time_ns: EPOCH_NS
+            + u64::from(scan) * 1_000_000_000
+            + u64::from(sector + 1) * 1_000_000_000 / u64::from(SECTORS),
+        covered_from_rad: at(sector),
+        covered_to_rad: at(sector + 1),
+        scan_period_s: 1.0,
+        pfa: full(PFA),
+        cell_range_m: CELL[0],
+        cell_azimuth_rad: CELL[1],
+        cell_elevation_rad: full(CELL[2]),
+        cell_range_rate_mps: full(CELL[3]),
+        scan,
+        sector,
+        sectors_per_scan: SECTORS,
+        flags: if sector + 1 == SECTORS { END_OF_SCAN } else { 0 },
+        ..PlotsHeader::default()
+    }
+}
+
+fn measured(
+    radar: Turning,
+    time_s: f64,
+    position: &Vector3<f64>,
+    velocity: &Vector3<f64>,
+    q: f64,
+    rng: &mut impl Rng,
+) -> Plot {
+    let place = Polar::from_enu(position);
+    let sigma = [5.0, 0.000_5, 0.000_5, 3.0];
+    let mut error = |sigma: f64| sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, rng);
+    let full = |value: f64| if radar.full { value } else { 0.0 };
+    Plot {
+        time_ns: EPOCH_NS + (time_s * 1e9) as u64,
+        range_m: (place.range_m + error(sigma[0])).max(1.0),
+        azimuth_rad: angle::wrap(place.azimuth_rad + error(sigma[1])),
+        elevation_rad: full(place.elevation_rad + error(sigma[2])),
+        range_rate_mps: full(range_rate_mps(position, velocity) + error(sigma[3])),
+        sigma_range_m: sigma[0] as f32,
+        sigma_azimuth_rad: sigma[1] as f32,
+        sigma_elevation_rad: full(sigma[2]) as f32,
+        sigma_range_rate_mps: full(sigma[3]) as f32,
+        statistic: full(q.sqrt()) as f32,
+        cell_count: 1,
+        flags: if radar.full { HAS_ELEVATION | HAS_RANGE_RATE | HAS_STATISTIC } else { 0 },
+        ..Plot::default()
+    }
+}
+
+fn exponential(rng: &mut impl Rng) -> f64 {
+    Exp1.sample(rng)
+}

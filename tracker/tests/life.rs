@@ -1,0 +1,215 @@
+//! The tracker as a whole, over turns of a simulated radar without cells.
+
+mod harness;
+
+use std::collections::BTreeMap;
+
+use common::config::{Association, GateRule, Logic, TrackerConfig};
+use common::health::Reject;
+use common::plots::{Plot, PlotsHeader};
+use common::tracks::{TERMINATED, Track};
+use harness::{EPOCH_NS, SECTORS, Target, Turning, messages};
+use nalgebra::Vector3;
+use tracker::Tracker;
+
+type Stream = Vec<(PlotsHeader, Vec<Plot>)>;
+
+/// All tracks that each message brought up to date.
+fn run(config: &TrackerConfig, stream: &Stream) -> Vec<Vec<Track>> {
+    let mut tracker = Tracker::new(config, 1).expect("valid");
+    let mut tracks = Vec::new();
+    stream
+        .iter()
+        .map(|(header, plots)| {
+            tracker.take(header, plots, &mut tracks);
+            tracks.clone()
+        })
+        .collect()
+}
+
+/// Distances between confirmed tracks and a target by track id, at the tracks' own times.
+fn distances(out: &[Vec<Track>], target: Target) -> BTreeMap<u64, Vec<f64>> {
+    let mut all: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+    for track in out.iter().flatten().filter(|track| track.is_confirmed()) {
+        let time_s = (track.time_ns as f64 - EPOCH_NS as f64) / 1e9;
+        let error = Vector3::from(track.position_m()) - target(time_s).0;
+        all.entry(track.id).or_default().push(error.norm());
+    }
+    all
+}
+
+fn straight(from: [f64; 3], velocity: [f64; 3], t: f64) -> (Vector3<f64>, Vector3<f64>) {
+    (Vector3::from(from) + Vector3::from(velocity) * t, Vector3::from(velocity))
+}
+
+fn eastward_across_north(t: f64) -> (Vector3<f64>, Vector3<f64>) {
+    straight([-300.0, 900.0, 100.0], [20.0, 0.0, 0.0], t)
+}
+fn westward_across_north(t: f64) -> (Vector3<f64>, Vector3<f64>) {
+    straight([300.0, 900.0, 100.0], [-20.0, 0.0, 0.0], t)
+}
+fn hovering(t: f64) -> (Vector3<f64>, Vector3<f64>) {
+    straight([1200.0, -700.0, 150.0], [0.0; 3], t)
+}
+fn close_past_the_antenna(t: f64) -> (Vector3<f64>, Vector3<f64>) {
+    straight([-450.0, 60.0, 40.0], [15.0, 0.0, 0.0], t)
+}
+
+#[test]
+fn one_track_per_target_once_per_turn() {
+    for target in [eastward_across_north, westward_across_north, hovering, close_past_the_antenna] {
+        let radar = Turning { false_plots: 0, ..Turning::default() };
+        let out = run(&TrackerConfig::default(), &messages(radar, &[target], 60));
+        let found = distances(&out, target);
+        assert_eq!(found.len(), 1, "{found:?}");
+        let times: Vec<u64> = out.iter().flatten().map(|track| track.time_ns).collect();
+        assert!(times.len() >= 57, "{} updates in 60 turns", times.len());
+        for pair in times.windows(2) {
+            let step_s = (pair[1] as f64 - pair[0] as f64) / 1e9;
+            assert!(step_s > 0.5 && step_s < 1.5, "a turn of {step_s} s");
+        }
+        let worst = found.values().flatten().copied().fold(0.0, f64::max);
+        assert!(worst < 40.0, "{worst} m");
+    }
+}
+
+#[test]
+fn tracks_go_out_with_the_sector_that_completes_their_gates() {
+    let stream = messages(Turning::default(), &[hovering], 40);
+    for ((header, _), tracks) in stream.iter().zip(run(&TrackerConfig::default(), &stream)) {
+        for track in tracks.iter().filter(|track| track.is_confirmed() && track.hits > 6 && track.misses == 0) {
+            let late_s = (header.time_ns as f64 - track.time_ns as f64) / 1e9;
+            assert!((0.0..2.5 / f64::from(SECTORS)).contains(&late_s), "{late_s} s behind the beam");
+        }
+    }
+}
+
+#[test]
+fn targets_among_false_plots_and_nothing_else() {
+    let radar = Turning { fluctuates: true, snr: 300.0, false_plots: 25, ..Turning::default() };
+    let targets: [Target; 3] = [eastward_across_north, hovering, close_past_the_antenna];
+    let out = run(&TrackerConfig::default(), &messages(radar, &targets, 60));
+    let mut ids = BTreeMap::new();
+    for target in targets {
+        let near = distances(&out, target)
+            .into_iter()
+            .filter(|(_, errors)| errors.iter().sum::<f64>() / (errors.len() as f64) < 60.0);
+        for (id, errors) in near {
+            ids.insert(id, errors.len());
+        }
+    }
+    let confirmed = out.iter().flatten().filter(|track| track.is_confirmed()).map(|track| track.id);
+    assert!(confirmed.clone().all(|id| ids.contains_key(&id)), "false tracks");
+    assert!(ids.len() == 3 && ids.values().all(|&scans| scans > 50), "{ids:?}");
+}
+
+#[test]
+fn every_rule_and_the_planar_radar_hold_their_target() {
+    let default = TrackerConfig::default();
+    let variants = [
+        TrackerConfig { gate_rule: GateRule::Manoeuvre, ..default.clone() },
+        TrackerConfig { gate_rule: GateRule::Union, ..default.clone() },
+        TrackerConfig { association: Association::Pda, ..default.clone() },
+        TrackerConfig { association: Association::Nearest, ..default.clone() },
+        TrackerConfig { association: Association::Strongest, ..default.clone() },
+        TrackerConfig { logic: Logic::MOfN, ..default.clone() },
+        TrackerConfig { joint_association: false, ..default },
+    ];
+    for config in variants {
+        for full in [true, false] {
+            let radar = Turning { full, false_plots: 5, ..Turning::default() };
+            let flat: Target = |t| straight([900.0, 600.0, 0.0], [-12.0, 5.0, 0.0], t);
+            let out = run(&config, &messages(radar, &[flat], 40));
+            let longest = distances(&out, flat).into_values().map(|errors| errors.len()).max();
+            assert!(longest > Some(30), "{config:?} full {full}: {longest:?}");
+            if !full {
+                assert!(
+                    out.iter().flatten().all(|track| track.position_m()[2] == 0.0 && track.velocity_mps()[2] == 0.0)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_order_of_plots_in_a_message_does_not_matter_and_runs_repeat() {
+    let stream = messages(Turning { false_plots: 400, ..Turning::default() }, &[hovering, eastward_across_north], 20);
+    let mut reversed = stream.clone();
+    for (_, plots) in &mut reversed {
+        plots.reverse();
+    }
+    let config = TrackerConfig::default();
+    let same = |a: &[Vec<Track>], b: &[Vec<Track>]| {
+        a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| {
+            // The index of the best plot is the only thing that may follow the order.
+            *a == Track { best_plot_index: a.best_plot_index, ..*b }
+        })
+    };
+    let once = run(&config, &stream);
+    assert_eq!(once, run(&config, &stream));
+    assert!(same(&once, &run(&config, &reversed)));
+}
+
+#[test]
+fn late_lost_and_impossible_input_is_survived() {
+    let mut stream = messages(Turning::default(), &[hovering], 60);
+    stream[40].1.push(Plot { range_m: f64::NAN, ..Plot::default() });
+    let mut tracker = Tracker::new(&TrackerConfig::default(), 1).expect("valid");
+    let mut tracks = Vec::new();
+    let (mut bad, mut late, mut confirmed) = (0, 0, BTreeMap::new());
+    for (index, (header, plots)) in stream.iter().enumerate() {
+        // Some sectors and five whole turns are lost, one message comes twice.
+        if index % 50 == 7 || (20 * 32..25 * 32).contains(&index) {
+            continue;
+        }
+        let taken = tracker.take(header, plots, &mut tracks);
+        bad += taken.rejected.of(Reject::BadPlot);
+        for track in tracks.iter().filter(|track| track.is_confirmed()) {
+            *confirmed.entry(track.id).or_insert(0) += 1;
+        }
+        if index == 100 {
+            late = tracker
+                .take(header, &[plots.as_slice(), &[Plot::default()]].concat(), &mut tracks)
+                .rejected
+                .of(Reject::Late);
+            assert!(tracks.is_empty());
+        }
+    }
+    assert_eq!((bad, late), (1, 1 + stream[100].1.len() as u64));
+    assert_eq!(confirmed.len(), 1, "{confirmed:?}");
+    let broken = PlotsHeader { scan_period_s: f64::NAN, ..stream[0].0 };
+    assert_eq!(tracker.take(&broken, &[], &mut tracks).rejected.of(Reject::BadHeader), 1);
+}
+
+#[test]
+fn a_new_session_keeps_the_tracks_and_time_going_back_ends_them() {
+    let stream = messages(Turning::default(), &[hovering], 40);
+    let mut tracker = Tracker::new(&TrackerConfig::default(), 1).expect("valid");
+    let mut tracks = Vec::new();
+    for (index, (header, plots)) in stream.iter().enumerate() {
+        // A restarted source that counts its scans from 0 again.
+        let restarted = index >= 20 * 32;
+        let header = if restarted {
+            PlotsHeader { session: 2, scan: header.scan - 20, seq: header.seq - 20 * 32, ..*header }
+        } else {
+            *header
+        };
+        tracker.take(&header, plots, &mut tracks);
+    }
+    let alive = tracker.alive().iter().find(|track| track.life.is_confirmed()).expect("kept");
+    assert!(alive.life.age >= 38 && alive.life.hits >= 38, "{:?}", alive.life);
+    tracker.take(&PlotsHeader { session: 3, ..stream[0].0 }, &[], &mut tracks);
+    assert!(!tracks.is_empty() && tracks.iter().all(|track| track.state_code == TERMINATED));
+    assert!(tracker.alive().is_empty());
+}
+
+#[test]
+fn the_end_of_the_stream_brings_out_what_waits() {
+    let just_west_of_north: Target = |t| straight([-2.0, 1500.0, 200.0], [0.0; 3], t);
+    let stream = messages(Turning::default(), &[just_west_of_north], 20);
+    let out = run(&TrackerConfig::default(), &stream);
+    let last = out.last().expect("messages");
+    assert!(last.iter().any(Track::is_confirmed), "the last passage is published");
+    let end_ns = stream.last().expect("messages").0.time_ns;
+    assert!(last.iter().all(|track| end_ns - track.time_ns < 100_000_000));
+}
