@@ -323,7 +323,7 @@ struct Lines<'a>(&'a mut String);
 
 impl Lines<'_> {
     fn text(&mut self, name: &str, value: &str) -> std::fmt::Result {
-        writeln!(self.0, "  {name:<28}{value}")
+        writeln!(self.0, "  {name:<30}{value}")
     }
 
     fn whole(&mut self, name: &str, value: Option<u64>) -> std::fmt::Result {

@@ -1,6 +1,8 @@
 //! Both forms of a recording: round trips, files cut and spoilt anywhere.
 
+use std::cell::RefCell;
 use std::io::Cursor;
+use std::rc::Rc;
 
 use common::dwell::DwellHeader;
 use common::health::Health;
@@ -146,12 +148,15 @@ fn a_bad_line_is_named_by_its_number_and_the_rest_is_read() {
 }
 
 /// Takes so many bytes and no more.
-struct FullDisk(u64);
+#[derive(Clone, Default)]
+struct FullDisk(Rc<RefCell<Vec<u8>>>);
 
 impl std::io::Write for FullDisk {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0 += bytes.len() as u64;
-        if self.0 > 60_000 { Err(std::io::ErrorKind::StorageFull.into()) } else { Ok(bytes.len()) }
+        let mut disk = self.0.borrow_mut();
+        let fits = bytes.len().min(60_000 - disk.len());
+        disk.extend(&bytes[..fits]);
+        if fits == 0 { Err(std::io::ErrorKind::StorageFull.into()) } else { Ok(fits) }
     }
 
     fn flush(&mut self) -> std::io::Result<()> {
@@ -161,17 +166,23 @@ impl std::io::Write for FullDisk {
 
 impl std::io::Seek for FullDisk {
     fn seek(&mut self, _: std::io::SeekFrom) -> std::io::Result<u64> {
-        Ok(self.0)
+        Ok(self.0.borrow().len() as u64)
     }
 }
 
+/// The first error tells, and what is not in the file then is known to the message.
 #[test]
-fn a_full_disk_is_an_error_and_not_a_panic() {
-    let mut writer = Writer::new(FullDisk(0), "here", &description(), 4096).expect("there is room");
+fn a_full_disk_is_an_error_and_what_it_costs_is_known() {
+    let disk = FullDisk::default();
+    let mut writer = Writer::new(disk.clone(), "here", &description(), 4096).expect("there is room");
     let written = messages(1000);
-    let failed = written.iter().map(|message| writer.write(message.by_ref())).filter(Result::is_err).count();
-    assert!(failed > 10);
+    let failed = written.iter().position(|message| writer.write(message.by_ref()).is_err()).expect("no room");
+    let unsaved = usize::try_from(writer.unsaved().iter().sum::<u64>()).expect("a count");
+    assert!(writer.write(written[0].by_ref()).is_err());
     assert!(matches!(writer.finish(), Err(RecordingError::Io(_) | RecordingError::Container { .. })));
+    let readable = Reader::new(disk.0.borrow().as_slice()).flatten().count();
+    assert!(readable > 10);
+    assert_eq!(readable + unsaved, failed + 1);
 }
 
 #[test]

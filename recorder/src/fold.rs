@@ -77,9 +77,9 @@ impl Fold {
         self.measured_ns = extend(self.measured_ns, header.time_ns, header.time_ns);
     }
 
-    /// Notes a message that was received but could not be written to the recording.
-    pub fn not_written(&mut self, topic: Topic) {
-        self.losses.not_written(topic);
+    /// Notes messages that were received but could not be written to the recording.
+    pub fn not_written(&mut self, topic: Topic, count: u64) {
+        self.losses.not_written(topic, count);
     }
 
     /// Scans that went through the whole chain.

@@ -69,9 +69,9 @@ impl Losses {
         }
     }
 
-    /// Notes a message that could not be written to the recording.
-    pub(crate) fn not_written(&mut self, topic: Topic) {
-        self.unwritten[topic as usize] += 1;
+    /// Notes messages that could not be written to the recording.
+    pub(crate) fn not_written(&mut self, topic: Topic, count: u64) {
+        self.unwritten[topic as usize] += count;
     }
 
     /// Messages received, by topic.

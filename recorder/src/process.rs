@@ -9,8 +9,8 @@ use common::config::ChainConfig;
 use common::ipc::{Flow, IpcError, Station, Subscriber, attend};
 use common::message::END_OF_STREAM;
 use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, stop_requested};
-use common::recording::RecordedRef;
 use common::recording::container::Description;
+use common::recording::{RecordedRef, RecordingError};
 use common::services::{ALL_TOPICS, Dwells, HealthReports, Plots, Topic, Tracks, Truth};
 use common::time::monotonic_ns;
 use tracing::{info, warn};
@@ -145,30 +145,30 @@ impl Recorder {
 
     /// Writes and folds one message. A failing disk ends the recording, never the chain.
     fn take(&mut self, message: RecordedRef<'_>) {
-        if let Some(writer) = &mut self.writer {
-            let written = writer.write(message);
-            self.keep_if(written);
-        }
         if self.failed {
-            self.fold.not_written(message.topic());
+            self.fold.not_written(message.topic(), 1);
         }
+        self.keep_writing(|writer| writer.write(message));
         self.fold.take(message, monotonic_ns());
     }
 
     fn flush_if_due(&mut self) {
         if self.flushed.elapsed() >= FLUSH_INTERVAL {
             self.flushed = Instant::now();
-            if let Some(writer) = &mut self.writer {
-                let flushed = writer.flush();
-                self.keep_if(flushed);
-            }
+            self.keep_writing(PartWriter::flush);
         }
     }
 
-    fn keep_if(&mut self, result: Result<(), common::recording::RecordingError>) {
-        if let Err(error) = result {
+    /// Does something with the recording, if there is one; it ends when that fails, and what
+    /// was not in a whole chunk of it is lost.
+    fn keep_writing(&mut self, write: impl FnOnce(&mut PartWriter) -> Result<(), RecordingError>) {
+        let Some(writer) = &mut self.writer else { return };
+        if let Err(error) = write(writer) {
             let path = self.path.as_deref().unwrap_or(Path::new("")).display();
             warn!("recording {path} ends here, the chain goes on: {error}");
+            for (topic, count) in ALL_TOPICS.into_iter().zip(writer.unsaved()) {
+                self.fold.not_written(topic, count);
+            }
             self.writer = None;
             self.failed = true;
         }
@@ -195,9 +195,9 @@ impl Recorder {
 
     /// Closes the recording and writes the report.
     fn finish(mut self) -> anyhow::Result<ExitCode> {
-        if let Some(writer) = self.writer.take() {
-            let finished = writer.finish();
-            self.keep_if(finished);
+        self.keep_writing(PartWriter::flush);
+        if let Some(Err(error)) = self.writer.take().map(PartWriter::finish) {
+            warn!("the recording has no index: {error}");
         }
         let recording = self.path.map(|path| path.display().to_string());
         let report = self.fold.finish(recording);

@@ -10,16 +10,23 @@
 //! Source: Mušicki & La Scala (2008). The predictions of all tracks are those before the scan, so the order
 //! of processing does not matter.
 
-use crate::association::FalsePlots;
-use crate::measurement::{COORDINATES, Expected, Measurement};
-use crate::motion::MODES;
-use crate::track::Passage;
+use std::f64::consts::TAU;
 
 use common::amplitude::TargetStatistics;
+
+use crate::association::FalsePlots;
+use crate::gate::Radar;
+use crate::measurement::{COORDINATES, Expected, Measurement};
+use crate::motion::{CONSTANT_VELOCITY, MODES};
+use crate::track::{LiveTrack, Passage};
 
 /// Largest P_mσ: a track is never quite sure of a plot.
 const SUREST: f64 = 0.98;
 
+/// Tracks nearer than this may want the same plots, cells of range.
+const RIVAL_CELLS: f64 = 5.0;
+/// Passages nearer than this belong to the same turn, turns.
+const RIVAL_TURNS: f64 = 0.4;
 /// A track that competes for plots.
 #[derive(Debug, Clone, Copy)]
 pub struct Rival<'a> {
@@ -70,4 +77,26 @@ pub fn add_rival(
         let prior = (rival.existence * d * ratio / total).min(SUREST);
         *extra += ratio * prior / (1.0 - prior);
     }
+}
+
+/// The confirmed tracks that may want the same plots as track `index` in this turn, with what they expect of it.
+pub fn rivals_of<'a>(
+    index: usize,
+    tracks: &'a [LiveTrack],
+    radar: &Radar,
+) -> impl Iterator<Item = (&'a LiveTrack, &'a Passage)> {
+    let own = &tracks[index].next;
+    let reach_m = RIVAL_CELLS * radar.cell[0];
+    let centre = own.prediction.modes[CONSTANT_VELOCITY].position();
+    tracks.iter().enumerate().filter_map(move |(other, track)| {
+        if other == index || !track.life.is_confirmed() {
+            return None;
+        }
+        let expects = [&track.next, &track.last]
+            .into_iter()
+            .find(|passage| (passage.angle_rad - own.angle_rad).abs() < RIVAL_TURNS * TAU)?;
+        let position = expects.prediction.modes[CONSTANT_VELOCITY].position();
+        let square: f64 = (0..3).map(|axis| (position[axis] - centre[axis]).powi(2)).sum();
+        (square < reach_m * reach_m).then_some((track, expects))
+    })
 }

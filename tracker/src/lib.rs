@@ -9,7 +9,8 @@
 //! imm           mixing  (T2)-(T4)            start, initiation  two plots make a track         (T17), (T18)
 //! clutter_map   false plots to expect        joint        plots that several tracks want
 //!                                            life         existence, confirmation, end, SNR    (T18), (T19)
-//! track         one track between passages   tracker      all of it, one call per message
+//! track         one track between passages   site         the radar, as its headers tell
+//! tracker       all of it, one call per message
 //! ```
 //!
 //! Pure: no clock, file, shared memory or thread (but for [`replay`], which reads and writes). Formulas:
@@ -29,6 +30,7 @@ pub mod motion;
 pub mod plot_store;
 pub mod process;
 pub mod replay;
+mod site;
 pub mod start;
 pub mod state;
 pub mod sweep;

@@ -58,6 +58,9 @@ impl Life {
     /// One scan that was seen: L of (T18) and whether a credible plot was in the gate.
     pub fn observe(&mut self, existence_ratio: f64, hit: bool, config: &TrackerConfig) {
         self.age += 1;
+        if self.state == TERMINATED {
+            return;
+        }
         let prior = config.survival_probability * self.existence;
         let support = existence_ratio.min(1e12) * prior;
         self.existence = (support / (1.0 - prior + support)).min(SUREST);
@@ -93,10 +96,13 @@ impl Life {
         };
     }
 
-    /// One scan whose results were lost: nothing was learnt, but time has passed.
-    pub fn pass(&mut self, scans: u32) {
+    /// Scans whose results were lost: nothing was learnt, but time has passed. More than may be missed end the track.
+    pub fn pass(&mut self, scans: u32, config: &TrackerConfig) {
         self.age += scans;
-        if self.state == CONFIRMED {
+        let limit = if self.is_confirmed() { config.confirmed_misses } else { config.tentative_misses };
+        if scans > limit {
+            self.state = TERMINATED;
+        } else if self.state == CONFIRMED {
             self.state = COASTING;
         }
     }

@@ -23,8 +23,8 @@ pub struct Entry {
     pub explained: f64,
     /// How far any track claims it: the largest weight times existence.
     pub claimed: f64,
-    /// The track that took it as its best plot, and by what weight.
-    pub owner: Option<(u64, f64)>,
+    /// The track that took it as its best plot.
+    pub owner: Option<u64>,
 }
 
 /// The plots.
@@ -42,6 +42,13 @@ impl PlotStore {
         self.entries.clear();
         self.measurements.clear();
         self.settled = 0;
+    }
+
+    /// The angle at which to keep a plot seen at `angle_rad`: its own, or that of the newest settled plot if it lies no
+    /// more than `tolerance_rad` behind it; `None` if it comes too late.
+    pub fn admit(&self, angle_rad: f64, tolerance_rad: f64) -> Option<f64> {
+        let settled_rad = if self.settled > 0 { self.entries[self.settled - 1].angle_rad } else { f64::NEG_INFINITY };
+        (angle_rad >= settled_rad - tolerance_rad).then(|| angle_rad.max(settled_rad))
     }
 
     /// Adds a plot at its place. Plots come nearly in order, so few are moved.

@@ -10,9 +10,12 @@ use common::units::seconds_between;
 use crate::gate::{Gate, Radar};
 use crate::imm::{Imm, transition};
 use crate::life::{Amplitude, Life};
-use crate::measurement::Expected;
+use crate::measurement::{COORDINATES, Expected, Measurement};
 use crate::motion::{MODES, Motion};
+use crate::plot_store::Entry;
+use crate::state::at;
 use crate::sweep::{Sweep, shift};
+use crate::update::Outcome;
 
 /// What the last scan did, for the message.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +47,27 @@ impl LastScan {
         best_plot: (0, u32::MAX),
         best_plot_gates: 0,
     };
+
+    /// Of what a scan did to `prediction`; which message the best plot came in is not known here.
+    pub fn new(outcome: &Outcome, prediction: &Imm, offered: &[Measurement], radar: &Radar) -> Self {
+        let mut best_plot_gates = 0;
+        if let Some((best, _)) = outcome.best {
+            for (mode, prediction) in prediction.modes.iter().enumerate() {
+                let gate = Gate::new(&Expected::new(mode, prediction), radar, outcome.selection.gate.alpha);
+                let offset = gate.offset(&offered[best], &[0.0; COORDINATES]);
+                best_plot_gates |= u32::from(gate.holds(&offset, &offered[best])) << mode;
+            }
+        }
+        Self {
+            gate_code: outcome.selection.gate_code,
+            gate_volume: outcome.selection.volume,
+            plots_in_gate: outcome.plots_in_gate as u32,
+            weight_none: outcome.weight_none,
+            weight_best: outcome.best.map_or(0.0, |(_, weight)| weight),
+            best_plot_gates,
+            ..Self::EMPTY
+        }
+    }
 }
 
 /// Prediction for the next passage of the beam.
@@ -160,6 +184,39 @@ impl Kinematics {
 const GATE_MARGIN: f64 = 1.3;
 
 impl LiveTrack {
+    /// L of (T18). Where other tracks claim the plots of a confirmed one, two targets may have become a single plot: that
+    /// speaks neither for it nor against it.
+    pub fn evidence(&self, outcome: &Outcome) -> f64 {
+        let merged = self.life.is_confirmed() && outcome.existence_ratio < 1.0 && outcome.ratio_alone > 1.0;
+        if merged { 1.0 } else { outcome.existence_ratio }
+    }
+
+    /// Takes its best plot as its own if it is `sure` of it, and notes whose that plot already was.
+    pub fn note_best(&mut self, plot: &mut Entry, sure: bool) {
+        match plot.owner {
+            Some(owner) if sure && owner != self.id => {
+                let scans = self.shared.filter(|(other, _)| *other == owner).map_or(0, |(_, scans)| scans);
+                self.shared = Some((owner, scans + 1));
+            }
+            _ => {
+                plot.owner = if sure { Some(self.id) } else { plot.owner };
+                self.shared = None;
+            }
+        }
+    }
+
+    /// Squared difference of two tracks' velocities in standard deviations of both, per axis and summed.
+    pub fn velocity_distance(&self, other: &Self) -> f64 {
+        let (a, b) = (self.posterior.mixture(), other.posterior.mixture());
+        (3..6)
+            .map(|i| {
+                let variance = a.covariance[at(i, i)] + b.covariance[at(i, i)];
+                let difference = a.mean[i] - b.mean[i];
+                if variance > 0.0 { difference * difference / variance } else { 0.0 }
+            })
+            .sum()
+    }
+
     /// The message of this track.
     pub fn message(&self) -> Track {
         let (state, covariance) = self.posterior.mixture().to_message();

@@ -12,27 +12,25 @@
 
 use std::f64::consts::TAU;
 
-use common::amplitude::{Detector, TargetStatistics};
 use common::config::{ConfigError, TrackerConfig};
 use common::health::{Reject, Rejected};
 use common::message::END_OF_STREAM;
 use common::plots::{Plot, PlotsHeader};
 use common::tracks::{TERMINATED, Track};
-use common::units::{from_db, seconds_between};
+use common::units::seconds_between;
 
 use crate::association::{Rules, Surroundings};
-use crate::clutter_map::ClutterMap;
-use crate::gate::{Gate, Radar};
 use crate::initiation::Reach;
-use crate::joint::{Rival, add_rival};
+use crate::joint::{add_rival, rivals_of};
 use crate::life::{Amplitude, Life};
-use crate::measurement::{COORDINATES, Expected, Measurement};
-use crate::motion::{CONSTANT_VELOCITY, MANOEUVRE, MODES};
+use crate::measurement::{COORDINATES, LineOfSight, Measurement};
+use crate::motion::{MANOEUVRE, MODES};
 use crate::plot_store::{Entry, PlotStore};
+use crate::site::{self, Site};
 use crate::start::two_plots;
 use crate::sweep::{Continuation, Sweep};
-use crate::track::{Kinematics, LastScan, LiveTrack, Passage};
-use crate::update::{Outcome, Workspace, update};
+use crate::track::{LastScan, LiveTrack, Passage};
+use crate::update::{Workspace, update};
 
 /// Mode probabilities of a new track.
 const START_PROBABILITY: [f64; MODES] = [0.33, 0.34, 0.33];
@@ -42,19 +40,15 @@ const MISS_WEIGHT: f64 = 0.5;
 const EXPLAINED: f64 = 0.2;
 /// Existence below which two plots start no track.
 const LEAST_EXISTENCE: f64 = 1e-5;
-/// Scans in which two tracks share their best plot before one of them goes.
-const SHARED_SCANS: u32 = 3;
-/// Tracks nearer than this may want the same plots, cells of range.
-const RIVAL_CELLS: f64 = 5.0;
-/// Passages nearer than this belong to the same turn, turns.
-const RIVAL_TURNS: f64 = 0.4;
+/// Scans in which two tracks share their best plot before one of them goes: if one is tentative, and if both are
+/// confirmed. Drones that cross in one cell share it for some scans, and their velocities come near each other.
+const SHARED_SCANS: [u32; 2] = [2, 12];
 /// Squared distance of two tracks' velocities, in standard deviations, below which they may be one.
 const SAME_VELOCITY: f64 = 9.0;
+/// A plot this far behind what has been processed may still be used, cells of azimuth: interpolation moves plots a little.
+const LATE_CELLS: f64 = 2.0;
 /// A prediction is renewed if the beam will pass this much earlier or later than it was made for, s.
 const TIMING_S: f64 = 0.02;
-/// Cells tested per false plot where the radar does not say: its plots are not the result of a known threshold.
-const UNKNOWN_PFA: f64 = 1e-6;
-
 /// What became of one message.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct Taken {
@@ -64,17 +58,6 @@ pub struct Taken {
     pub alive: u32,
     /// Of these confirmed or coasting.
     pub confirmed: u32,
-}
-
-/// What is known of the radar from its headers.
-#[derive(Debug)]
-struct Site {
-    radar: Radar,
-    detector: Detector,
-    /// Whether the header says how plots were detected; else decision statistics have no scale.
-    threshold_is_known: bool,
-    kinematics: Kinematics,
-    clutter: ClutterMap,
 }
 
 /// The tracker of one radar.
@@ -128,7 +111,7 @@ impl Tracker {
     pub fn take(&mut self, header: &PlotsHeader, plots: &[Plot], tracks: &mut Vec<Track>) -> Taken {
         let mut taken = Taken::default();
         tracks.clear();
-        if !is_possible(header) {
+        if !site::is_possible(header) {
             taken.rejected.count(Reject::BadHeader);
             return self.counted(taken);
         }
@@ -145,13 +128,20 @@ impl Tracker {
                 self.end_all(tracks);
             }
         }
-        self.learn_radar(header);
-        let Some(mut site) = self.site.take() else { return self.counted(taken) };
+        // Taken out, so that tracks and site can be borrowed side by side.
+        let mut site = match self.site.take() {
+            Some(site) if site.is_described_by(header) => site,
+            _ => Site::new(header, &self.config),
+        };
         let covered_rad = self.sweep.covered_to_rad();
         for (index, plot) in plots.iter().enumerate() {
             match Measurement::from_plot(plot) {
                 Some(measurement) => {
                     let angle_rad = self.sweep.unwrap(header, plot.azimuth_rad);
+                    let Some(angle_rad) = self.plots.admit(angle_rad, LATE_CELLS * header.cell_azimuth_rad) else {
+                        taken.rejected.count(Reject::Late);
+                        continue;
+                    };
                     let entry = Entry {
                         angle_rad,
                         seq: header.seq,
@@ -191,37 +181,6 @@ impl Tracker {
             track.life.state = TERMINATED;
             tracks.push(track.message());
         }
-    }
-
-    /// Cells and threshold of the radar; a change of them begins a new clutter map.
-    #[expect(clippy::float_cmp, reason = "a header says the same or it does not")]
-    fn learn_radar(&mut self, header: &PlotsHeader) {
-        let cell =
-            [header.cell_range_m, header.cell_azimuth_rad, header.cell_elevation_rad, header.cell_range_rate_mps];
-        let measured = [true, true, header.cell_elevation_rad > 0.0, header.cell_range_rate_mps > 0.0];
-        let pfa = if header.pfa > 0.0 { header.pfa } else { UNKNOWN_PFA };
-        let same = |site: &Site| {
-            site.radar.cell == cell
-                && site.detector.pfa.to_bits() == pfa.to_bits()
-                && site.detector.reference_cells == header.reference_cells
-        };
-        if self.site.as_ref().is_some_and(same) {
-            return;
-        }
-        // Errors are uniform within a cell (C1); plots carry their own.
-        let radar = Radar { variance: cell.map(|cell| cell * cell / 12.0), cell, measured };
-        self.site = Some(Site {
-            radar,
-            detector: Detector::new(pfa, header.reference_cells),
-            threshold_is_known: header.pfa > 0.0,
-            kinematics: Kinematics::new(&self.config, &radar),
-            clutter: ClutterMap::new(
-                radar,
-                Detector::new(pfa, header.reference_cells),
-                self.config.clutter_floor.max(header.pfa),
-                self.config.clutter_map_scans,
-            ),
-        });
     }
 
     /// Processes the tracks whose gates the beam has passed, in the order in which it did. At the end of the
@@ -264,8 +223,8 @@ impl Tracker {
             track.next = site.kinematics.at(&track.posterior, track.time_ns, beam_ns, angle_rad, &site.radar);
         }
         let passage = track.next;
-        let range_m = norm(passage.prediction.modes[MANOEUVRE].position());
-        track.amplitude.look(range_m, config, &site.detector);
+        let expected = LineOfSight::at(passage.prediction.modes[MANOEUVRE].position());
+        track.amplitude.look(expected.range_m, config, &site.detector);
         let turn = (passage.angle_rad / TAU).max(0.0) as u32;
         let from_rad = (passage.angle_rad - passage.half_width_rad).max(track.searched_to_rad);
         let to_rad = passage.due_rad();
@@ -275,7 +234,7 @@ impl Tracker {
         let seen = sweep.has_seen(passage.angle_rad);
         rivals.clear();
         if config.joint_association && !offered.is_empty() {
-            for (_, other, expects) in rivals_of(index, tracks, site) {
+            for (other, expects) in rivals_of(index, tracks, &site.radar) {
                 rivals.resize(offered.len(), 0.0);
                 let rival = site.rival(config, other, expects);
                 add_rival(&rival, offered, clutter, rules.inflation, rivals, scratch);
@@ -292,19 +251,19 @@ impl Tracker {
         let outcome = update(&passage.prediction, passage.time_ns, offered, &surroundings, rules, workspace);
         let turns = ((passage.angle_rad - track.angle_rad) / TAU).round().max(1.0) as u32;
         if turns > 1 {
-            track.life.pass(turns - 1);
+            track.life.pass(turns - 1, config);
         }
         track.time_ns = passage.time_ns;
         track.angle_rad = passage.angle_rad;
         track.searched_to_rad = to_rad;
         if seen || outcome.plots_in_gate > 0 {
             track.posterior = outcome.posterior;
-            track.life.observe(evidence(&outcome, &track.life), outcome.weight_none < MISS_WEIGHT, config);
+            track.life.observe(track.evidence(&outcome), outcome.weight_none < MISS_WEIGHT, config);
         } else {
             track.posterior = passage.prediction;
-            track.life.pass(1);
+            track.life.pass(1, config);
         }
-        track.last_scan = last_scan(&outcome, &passage.prediction.modes, offered, &site.radar, plots, range.start);
+        track.last_scan = LastScan::new(&outcome, &passage.prediction, offered, &site.radar);
         for (candidate, weights) in workspace.candidates.iter().zip(&workspace.weights) {
             let weight: f64 = (0..MODES).map(|j| track.posterior.probability[j] * weights[j]).sum();
             let plot = &offered[candidate.plot];
@@ -320,7 +279,13 @@ impl Tracker {
                 entry.explained = entry.explained.max(weight);
             }
         }
-        note_shared_plot(track, &outcome, plots, range.start);
+        if let Some((best, weight)) = outcome.best {
+            let entry = plots.entry_mut(range.start + best);
+            track.last_scan.best_plot = (entry.seq, entry.index);
+            track.note_best(entry, weight > MISS_WEIGHT || outcome.ratio_alone > 1.0);
+        } else {
+            track.shared = None;
+        }
         track.last = passage;
         let (time_ns, angle_rad) = (track.time_ns, track.angle_rad);
         track.next = site.kinematics.passage(&track.posterior, time_ns, angle_rad, 1.0, sweep, &site.radar);
@@ -337,8 +302,8 @@ impl Tracker {
         if b.life.state == TERMINATED || a.life.state == TERMINATED {
             return;
         }
-        let needed = if a.life.is_confirmed() && b.life.is_confirmed() { SHARED_SCANS } else { SHARED_SCANS - 1 };
-        if scans < needed || velocity_distance(a, b) > SAME_VELOCITY {
+        let needed = SHARED_SCANS[usize::from(a.life.is_confirmed() && b.life.is_confirmed())];
+        if scans < needed || a.velocity_distance(b) > SAME_VELOCITY {
             return;
         }
         let rank = |track: &LiveTrack| (track.life.is_confirmed(), track.life.hits, std::cmp::Reverse(track.id));
@@ -369,7 +334,7 @@ impl Tracker {
                 && let Some(track) = self.start(&last, &entry, turn, site)
             {
                 claimed = claimed.max(track.life.existence);
-                self.plots.entry_mut(index).owner = Some((track.id, 1.0));
+                self.plots.entry_mut(index).owner = Some(track.id);
                 tracks.push(track.message());
                 self.tracks.push(track);
             }
@@ -380,7 +345,7 @@ impl Tracker {
     /// A tentative track that ends at the plot `last`, if there is a plot of the turn before to begin it.
     fn start(&mut self, last: &Measurement, entry: &Entry, turn: u32, site: &Site) -> Option<LiveTrack> {
         let (previous, step_s) = self.partner(last, entry.angle_rad)?;
-        let existence = self.start_existence(&previous, last, step_s, turn, site);
+        let existence = site.start_existence(&previous, last, step_s, turn, &self.reach, &self.config);
         if existence < LEAST_EXISTENCE {
             return None;
         }
@@ -416,27 +381,6 @@ impl Tracker {
         })
     }
 
-    /// Probability that a pair of plots is a new target rather than two false plots:
-    /// ```text
-    /// odds = (b/F₂) λ₂ · λ₁/(F₁ U)
-    /// ```
-    /// with b new targets and F false plots per cell, U the cells that the first plot could have been in.
-    fn start_existence(&self, previous: &Measurement, last: &Measurement, step_s: f64, turn: u32, site: &Site) -> f64 {
-        let target = site.detector.target(self.config.swerling, from_db(self.config.snr_db));
-        let evidence = |plot: &Measurement| {
-            let here = site.clutter.at(&plot.polar, turn, Some(previous));
-            let ratio = if plot.has_power && site.threshold_is_known {
-                target.likelihood_ratio_in_clutter(plot.power, here.mean_excess)
-            } else {
-                1.0
-            };
-            ratio / (here.density * site.clutter.cell_volume(&plot.polar))
-        };
-        let cells = self.reach.cells(last, step_s, &site.radar);
-        let odds = (self.config.start_density * evidence(last) * evidence(previous) / cells).min(1e12);
-        (odds / (1.0 + odds)).min(self.config.start_existence)
-    }
-
     /// The best plot of the turn before for a start, and the time between the two.
     fn partner(&self, last: &Measurement, angle_rad: f64) -> Option<(Measurement, f64)> {
         let reach_rad = self.reach.azimuth_rad(last, self.sweep.period_s() * 1.5);
@@ -455,139 +399,4 @@ impl Tracker {
         }
         best.map(|(_, index, step_s)| (self.plots.measurements(index..index + 1)[0], step_s))
     }
-}
-
-impl Site {
-    /// D of a track.
-    fn detection_probability(&self, config: &TrackerConfig, amplitude: &Amplitude) -> f64 {
-        match self.statistics(amplitude) {
-            Some(statistics) => statistics.detection_probability.min(config.detection_probability),
-            None => config.detection_probability,
-        }
-    }
-
-    /// Statistics of a track's power, where the radar's threshold is known.
-    fn statistics<'a>(&self, amplitude: &'a Amplitude) -> Option<&'a TargetStatistics> {
-        self.threshold_is_known.then(|| amplitude.statistics())
-    }
-
-    /// A track as one that competes for plots.
-    fn rival<'a>(&self, config: &TrackerConfig, track: &'a LiveTrack, passage: &'a Passage) -> Rival<'a> {
-        Rival {
-            passage,
-            existence: track.life.existence,
-            detection_probability: self.detection_probability(config, &track.amplitude),
-            target: self.statistics(&track.amplitude),
-        }
-    }
-}
-
-/// The confirmed tracks that may want the same plots as track `index` in this turn, with what they expect of it.
-fn rivals_of<'a>(
-    index: usize,
-    tracks: &'a [LiveTrack],
-    site: &'a Site,
-) -> impl Iterator<Item = (usize, &'a LiveTrack, &'a Passage)> {
-    let own = &tracks[index].next;
-    let reach_m = RIVAL_CELLS * site.radar.cell[0];
-    let centre = own.prediction.modes[CONSTANT_VELOCITY].position();
-    tracks.iter().enumerate().filter_map(move |(other, track)| {
-        if other == index || !track.life.is_confirmed() {
-            return None;
-        }
-        let expects = [&track.next, &track.last]
-            .into_iter()
-            .find(|passage| (passage.angle_rad - own.angle_rad).abs() < RIVAL_TURNS * TAU)?;
-        let position = expects.prediction.modes[CONSTANT_VELOCITY].position();
-        let square: f64 = (0..3).map(|axis| (position[axis] - centre[axis]).powi(2)).sum();
-        (square < reach_m * reach_m).then_some((other, track, expects))
-    })
-}
-
-/// L of (T18). Where other tracks claim the plots of a confirmed one, two targets may have become a single plot: that
-/// speaks neither for it nor against it.
-fn evidence(outcome: &Outcome, life: &Life) -> f64 {
-    let merged = life.is_confirmed() && outcome.existence_ratio < 1.0 && outcome.ratio_alone > 1.0;
-    if merged { 1.0 } else { outcome.existence_ratio }
-}
-
-/// What a message says of the scan.
-fn last_scan(
-    outcome: &Outcome,
-    prediction: &[crate::state::Gaussian; MODES],
-    offered: &[Measurement],
-    radar: &Radar,
-    plots: &PlotStore,
-    first: usize,
-) -> LastScan {
-    let mut scan = LastScan {
-        gate_code: outcome.selection.gate_code,
-        gate_volume: outcome.selection.volume,
-        plots_in_gate: outcome.plots_in_gate as u32,
-        weight_none: outcome.weight_none,
-        ..LastScan::EMPTY
-    };
-    if let Some((best, weight)) = outcome.best {
-        let entry = plots.entry(first + best);
-        scan.weight_best = weight;
-        scan.best_plot = (entry.seq, entry.index);
-        for (mode, prediction) in prediction.iter().enumerate() {
-            let gate = Gate::new(&Expected::new(mode, prediction), radar, outcome.selection.gate.alpha);
-            let offset = gate.offset(&offered[best], &[0.0; COORDINATES]);
-            scan.best_plot_gates |= u32::from(gate.holds(&offset, &offered[best])) << mode;
-        }
-    }
-    scan
-}
-
-/// Takes the best plot as the track's own, and notes whose it already was.
-fn note_shared_plot(track: &mut LiveTrack, outcome: &Outcome, plots: &mut PlotStore, first: usize) {
-    let own = outcome.best.filter(|(_, weight)| *weight > MISS_WEIGHT);
-    let Some((best, weight)) = own else {
-        track.shared = None;
-        return;
-    };
-    let entry = plots.entry_mut(first + best);
-    match entry.owner {
-        Some((owner, _)) if owner != track.id => {
-            let scans = track.shared.filter(|(other, _)| *other == owner).map_or(0, |(_, scans)| scans);
-            track.shared = Some((owner, scans + 1));
-        }
-        _ => {
-            entry.owner = Some((track.id, weight));
-            track.shared = None;
-        }
-    }
-}
-
-/// Squared difference of two tracks' velocities in standard deviations of both, per axis and summed.
-fn velocity_distance(a: &LiveTrack, b: &LiveTrack) -> f64 {
-    let (a, b) = (a.posterior.mixture(), b.posterior.mixture());
-    (3..6)
-        .map(|i| {
-            let variance = a.covariance[crate::state::at(i, i)] + b.covariance[crate::state::at(i, i)];
-            let difference = a.mean[i] - b.mean[i];
-            if variance > 0.0 { difference * difference / variance } else { 0.0 }
-        })
-        .sum()
-}
-
-/// |p|.
-fn norm(p: [f64; 3]) -> f64 {
-    p.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// Whether a header can be worked with.
-fn is_possible(header: &PlotsHeader) -> bool {
-    let within = |value: f64, low: f64, high: f64| value >= low && value <= high;
-    within(header.scan_period_s, 1e-3, 1e4)
-        && within(header.covered_from_rad, -TAU, 2.0 * TAU)
-        && within(header.covered_to_rad, header.covered_from_rad, 2.0 * TAU)
-        && within(header.cell_range_m, 1e-3, 1e6)
-        && within(header.cell_azimuth_rad, 1e-6, TAU)
-        && within(header.cell_elevation_rad, 0.0, TAU)
-        && within(header.cell_range_rate_mps, 0.0, 1e6)
-        && within(header.pfa, 0.0, 0.5)
-        && header.sectors_per_scan > 0
-        && header.sector < header.sectors_per_scan
 }

@@ -97,6 +97,11 @@ pub struct Writer<W: Write + Seek> {
     mcap: mcap::Writer<W>,
     channels: [u16; TOPICS],
     payload: Vec<u8>,
+    chunk_bytes: u64,
+    /// Bytes in the open chunk.
+    open_bytes: u64,
+    /// Messages in the open chunk, by topic.
+    open: [u64; TOPICS],
 }
 
 impl<W: Write + Seek> Writer<W> {
@@ -107,7 +112,7 @@ impl<W: Write + Seek> Writer<W> {
     pub fn new(out: W, site: &str, description: &Description, chunk_bytes: u64) -> Result<Self, RecordingError> {
         let mut mcap = mcap::WriteOptions::new()
             .library(concat!("radar-chain ", env!("CARGO_PKG_VERSION")))
-            .chunk_size(Some(chunk_bytes))
+            .chunk_size(None) // `write` closes chunks itself, to know what is in the file
             .compression(Some(mcap::Compression::Zstd))
             .compression_level(1) // 3 takes twice the time for 5 % less
             .compression_threads(0)
@@ -124,7 +129,7 @@ impl<W: Write + Seek> Writer<W> {
             channels[topic as usize] =
                 mcap.add_channel(schema, &service, ENCODING, &BTreeMap::new()).map_err(write_error)?;
         }
-        Ok(Self { mcap, channels, payload: Vec::new() })
+        Ok(Self { mcap, channels, payload: Vec::new(), chunk_bytes, open_bytes: 0, open: [0; TOPICS] })
     }
 
     /// Appends one message.
@@ -146,7 +151,15 @@ impl<W: Write + Seek> Writer<W> {
             log_time: message.time_ns(),
             publish_time: message.time_ns(),
         };
-        self.mcap.write_to_known_channel(&header, &self.payload).map_err(write_error)
+        self.open[message.topic() as usize] += 1;
+        self.open_bytes += self.payload.len() as u64;
+        self.mcap.write_to_known_channel(&header, &self.payload).map_err(write_error)?;
+        if self.open_bytes >= self.chunk_bytes { self.flush() } else { Ok(()) }
+    }
+
+    /// Messages that are not in a whole chunk of the file yet, by topic: lost if writing fails now.
+    pub fn unsaved(&self) -> [u64; TOPICS] {
+        self.open
     }
 
     fn encode<H: Serialize, E: Serialize>(&mut self, header: &H, elements: &[E]) -> Result<(), RecordingError> {
@@ -160,7 +173,9 @@ impl<W: Write + Seek> Writer<W> {
     /// # Errors
     /// `out` fails; nothing can be written afterwards.
     pub fn flush(&mut self) -> Result<(), RecordingError> {
-        self.mcap.flush().map_err(write_error)
+        self.mcap.flush().map_err(write_error)?;
+        (self.open, self.open_bytes) = ([0; TOPICS], 0);
+        Ok(())
     }
 
     /// Writes index and end.

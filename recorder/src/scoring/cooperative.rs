@@ -13,8 +13,16 @@
 //! **False tracks.** A confirmed track that was never within the gate of any address, moving
 //! or not, at any range.
 //!
-//! With these definitions the tracker of the Barcelona radar itself has the figures that the
-//! description of the data gives (test `own_tracks` of the plot source).
+//! With these definitions the tracker of the Barcelona radar itself (example `own_tracks` of
+//! the plot source) has, beside the figures that the description of the data gives:
+//!
+//! | figure | here | given |
+//! |---|---|---|
+//! | share of truth followed | 0.737 | 0.737 |
+//! | share of aircraft on the ground | 0.985 | 0.984 |
+//! | distance, 50 % and 95 % | 3.58 m, 14.1 m | 3.5 m, 13.5 m |
+//! | changes of track number | 137 | 133 |
+//! | tracks never near an address, per hour | 247.4 | 247 |
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
