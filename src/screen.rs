@@ -142,16 +142,16 @@ pub(crate) fn picture(chain: &ChainConfig, board: &Board) -> String {
     );
     let _ = writeln!(
         text,
-        "\n{:<16}{:>7}{:>10}{:>10}{:>14}{:>8}   lost",
+        "\n{:<16}{:>7}{:>10}{:>10}{:>12}{:>10}   lost",
         "process", "CPU %", "MiB", "restarts", "sent", "rejected"
     );
-    for (name, health, cpu_share) in board.all() {
+    for (name, health, cpu_share, restarts) in board.all() {
         let _ = write!(
             text,
-            "{name:<16}{:>7.0}{:>10.1}{:>10}{:>14}{:>8}",
+            "{name:<16}{:>7.0}{:>10.1}{:>10}{:>12}{:>10}",
             cpu_share * 100.0,
-            health.rss_bytes as f64 / (1 << 20) as f64,
-            health.restarts,
+            health.rss_bytes as f64 / f64::from(1 << 20),
+            restarts,
             health.messages_out,
             health.rejected.iter().sum::<u64>()
         );

@@ -118,7 +118,7 @@ impl Supervisor {
 fn resume_at(stage: &Stage, board: &Board, chain: &ChainConfig) -> Vec<String> {
     const TRACKS_PER_START: u64 = 1_000_000;
     if stage.name.is_source() {
-        let seen = board.all().map(|(_, health, _)| health.scan).max();
+        let seen = board.all().map(|(_, health, _, _)| health.scan).max();
         vec![format!("run.first_scan={}", seen.map_or(chain.run.first_scan, |scan| scan + 1))]
     } else if stage.name == StageName::Tracker {
         let first = chain.run.first_track + TRACKS_PER_START * u64::from(stage.restarts + 1);

@@ -16,6 +16,7 @@ pub mod health;
 pub mod ipc;
 pub mod latency;
 pub mod message;
+pub mod pace;
 pub mod plots;
 pub mod process;
 pub mod random;

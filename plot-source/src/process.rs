@@ -1,16 +1,14 @@
 //! The process `plot-source`: paces the scans of a recording and publishes plots and truth.
 
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use common::config::{ChainConfig, Speed};
 use common::ipc::Station;
 use common::message::{END_OF_SCAN, END_OF_STREAM};
+use common::pace::Pace;
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
 use common::services::{Consumer, MAX_PLOTS, MAX_TARGETS, Plots, Truth};
 use common::time::monotonic_ns;
-use common::units::seconds_between;
 
 use crate::Source;
 
@@ -35,7 +33,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     plots.wait_for_consumers()?;
     truth.wait_for_consumers()?;
 
-    let mut pace = Pace::new(&chain);
+    let mut pace = Pace::new(chain.run.speed);
     for scan in source {
         let mut truth_of_scan = scan.truth;
         for (mut header, elements) in scan.plots {
@@ -76,35 +74,4 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         }
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Publishes each sector when the antenna would have finished it.
-struct Pace {
-    factor: Option<f64>,
-    /// Measurement time and the moment at which it was due.
-    start: Option<(u64, Instant)>,
-}
-
-impl Pace {
-    fn new(chain: &ChainConfig) -> Self {
-        let factor = match chain.run.speed {
-            Speed::Max => None,
-            Speed::Times(factor) => Some(factor),
-        };
-        Self { factor, start: None }
-    }
-
-    /// Sleeps until `time_ns` is due. What is late goes out at once; after a second of
-    /// delay the schedule starts anew instead of hurrying after it.
-    fn wait_until(&mut self, time_ns: u64) {
-        let Some(factor) = self.factor else { return };
-        let now = Instant::now();
-        let (start_ns, start) = *self.start.get_or_insert((time_ns, now));
-        let due = start + Duration::from_secs_f64((seconds_between(start_ns, time_ns) / factor).max(0.0));
-        if let Some(early) = due.checked_duration_since(now) {
-            std::thread::sleep(early);
-        } else if now.duration_since(due) > Duration::from_secs(1) {
-            self.start = Some((time_ns, now));
-        }
-    }
 }

@@ -1,12 +1,11 @@
 //! The process `radar-sim`: paces the beam and publishes dwells and truth.
 
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use common::config::{ChainConfig, Speed};
 use common::ipc::{Publisher, Station};
 use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM};
+use common::pace::Pace;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
 use common::services::{Consumer, Dwells, MAX_TARGETS, Truth};
 use common::time::monotonic_ns;
@@ -37,13 +36,13 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     truth.wait_for_consumers()?;
 
     let (first_scan, scans) = (chain.run.first_scan, chain.run.scans);
-    let mut pace = Pace::new(&chain);
+    let mut pace = Pace::new(chain.run.speed);
     let mut targets = Vec::with_capacity(chain.sim.targets.len());
     for scan in first_scan.. {
         for dwell in 0..chain.radar.dwells_per_scan {
             let mut header = simulator.header(scan, dwell);
             header.session = session;
-            pace.wait_for_dwell();
+            pace.wait_until(header.time_ns);
             let last_of_scan = header.flags & END_OF_SCAN != 0;
             let done = last_of_scan && scans > 0 && scan + 1 >= scans;
             if done || (header.flags & END_OF_SECTOR != 0 && stop_requested()) {
@@ -93,34 +92,4 @@ fn publish_truth(
         ..TruthHeader::default()
     };
     publisher.publish(&header, targets, |header| header.source_out_ns = monotonic_ns())
-}
-
-/// Keeps the dwells apart as the turning antenna would.
-struct Pace {
-    between: Option<Duration>,
-    next: Instant,
-}
-
-impl Pace {
-    fn new(chain: &ChainConfig) -> Self {
-        let dwell_s = chain.radar.scan_period_s / f64::from(chain.radar.dwells_per_scan);
-        let between = match chain.run.speed {
-            Speed::Max => None,
-            Speed::Times(factor) => Some(Duration::from_secs_f64(dwell_s / factor)),
-        };
-        Self { between, next: Instant::now() }
-    }
-
-    /// Sleeps until the next dwell is due. A late dwell goes out at once; after a second
-    /// of delay the schedule starts anew instead of hurrying after it.
-    fn wait_for_dwell(&mut self) {
-        let Some(between) = self.between else { return };
-        self.next += between;
-        let now = Instant::now();
-        if let Some(early) = self.next.checked_duration_since(now) {
-            std::thread::sleep(early);
-        } else if now.duration_since(self.next) > Duration::from_secs(1) {
-            self.next = now;
-        }
-    }
 }
