@@ -22,6 +22,8 @@ pub struct PlotExtractor {
     hits: Vec<Hit>,
     closed: Vec<Cluster>,
     plots: Vec<Plot>,
+    /// The dwell before, whatever sector or session it was of.
+    previous: Option<DwellHeader>,
     sector: Sector,
 }
 
@@ -57,6 +59,7 @@ impl PlotExtractor {
             hits: Vec::new(),
             closed: Vec::new(),
             plots: Vec::with_capacity(MAX_PLOTS),
+            previous: None,
             sector: Sector::default(),
         }
     }
@@ -78,6 +81,7 @@ impl PlotExtractor {
             self.sector.rejected += 1;
             return Ok(reject); // not even its place in the stream can be trusted
         }
+        self.end_clusters_before_gap(header);
         if self.sector.last.is_some_and(|last| (last.scan, last.sector) != (header.scan, header.sector)) {
             self.finish_sector(0, &mut publish)?;
         }
@@ -90,6 +94,7 @@ impl PlotExtractor {
         self.sector.lineage.taken += 1;
         self.sector.extractor_in_ns = received_ns;
         self.sector.last = Some(*header);
+        self.previous = Some(*header);
         let reject = reject.or_else(|| self.detect(header, amplitudes));
         if reject.is_some() {
             self.sector.rejected += 1;
@@ -124,9 +129,20 @@ impl PlotExtractor {
             return Some(Reject::BadAmplitude);
         }
         stages.clustering.add(header.seq, &self.hits, &stages.powers, &stages.powers_before, &mut self.closed);
+        self.plots.extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, header, &self.radar)));
         self.sector.cells += amplitudes.len() as u64;
         self.sector.detections += self.hits.len() as u64;
         None
+    }
+
+    /// Where dwells are missing or the stream goes back, no cluster can grow any more; its
+    /// place in time follows from the dwell before the gap.
+    fn end_clusters_before_gap(&mut self, header: &DwellHeader) {
+        let Some(previous) = self.previous.filter(|previous| previous.seq + 1 != header.seq) else { return };
+        if let Some(stages) = &mut self.stages {
+            stages.clustering.close_all(&mut self.closed);
+            self.plots.extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &previous, &self.radar)));
+        }
     }
 
     /// Publishes what the sector has brought.
@@ -140,15 +156,11 @@ impl PlotExtractor {
         if let Some(stages) = &mut self.stages {
             if flags & END_OF_STREAM != 0 {
                 stages.clustering.close_all(&mut self.closed);
+                self.plots.extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &last, &self.radar)));
             }
             covered_to_dwell =
                 stages.clustering.oldest_open().map_or(covered_to_dwell, |dwell| dwell.min(covered_to_dwell));
         }
-        self.plots.clear();
-        for cluster in &self.closed {
-            self.plots.push(plot_of(cluster, &last, &self.radar));
-        }
-        self.closed.clear();
         let mut flags = flags;
         let left_out = self.plots.len().saturating_sub(MAX_PLOTS) as u32;
         if left_out > 0 {
@@ -156,7 +168,7 @@ impl PlotExtractor {
             self.plots.sort_by(|a, b| b.statistic.total_cmp(&a.statistic));
             self.plots.truncate(MAX_PLOTS);
         }
-        self.plots.sort_by(|a, b| (a.time_ns, a.range_m).partial_cmp(&(b.time_ns, b.range_m)).expect("finite"));
+        self.plots.sort_by(|a, b| a.time_ns.cmp(&b.time_ns).then(a.range_m.total_cmp(&b.range_m)));
 
         let scan_start = i128::from(last.scan) * i128::from(last.dwells_per_scan);
         let azimuth = |dwell: u64| (i128::from(dwell) - scan_start) as f64 * last.azimuth_step_rad;
@@ -193,7 +205,9 @@ impl PlotExtractor {
             ..PlotsHeader::default()
         };
         self.sector = Sector { covered_to_dwell, ..Sector::default() };
-        publish(&header, &self.plots)
+        let published = publish(&header, &self.plots);
+        self.plots.clear();
+        published
     }
 }
 
@@ -223,7 +237,7 @@ fn check(header: &DwellHeader, length: usize) -> Option<Reject> {
     }
 }
 
-/// The plot of a cluster (C6). `near` is a dwell not far from it: cells and timing are the same.
+/// The plot of a cluster (C6). `near` is a dwell not long after its peak, without a gap between.
 fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig) -> Plot {
     let grid = CellGrid {
         elevations: near.elevations as usize,
@@ -243,7 +257,7 @@ fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig) -> Plot {
     let [range_offset, azimuth_offset, elevation_offset, doppler_offset] =
         std::array::from_fn(|axis| interpolate(cuts[axis], curvatures[axis]));
 
-    let dwells_ago = (near.seq - cluster.peak_dwell) as f64 - azimuth_offset.cells;
+    let dwells_ago = near.seq.saturating_sub(cluster.peak_dwell) as f64 - azimuth_offset.cells;
     let dwell_ns = near.scan_period_s / f64::from(near.dwells_per_scan) * NS_PER_S;
     let doppler_span = near.range_rate_step_mps * f64::from(near.dopplers);
     let range_rate = near.range_rate_first_mps + near.range_rate_step_mps * (doppler as f64 + doppler_offset.cells);
@@ -256,7 +270,7 @@ fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig) -> Plot {
     let straddling: f64 = offsets.iter().zip(curvatures).map(|(offset, kappa)| kappa * offset.cells.powi(2)).sum();
     let snr = (ratio - 1.0).max(0.1) * straddling.exp();
     Plot {
-        time_ns: near.time_ns - (dwells_ago * dwell_ns).round() as i64 as u64,
+        time_ns: near.time_ns.saturating_add_signed(-(dwells_ago * dwell_ns).round() as i64),
         range_m: near.range_first_m + near.range_step_m * (range as f64 + range_offset.cells),
         azimuth_rad: angle::wrap(near.azimuth_rad - dwells_ago * near.azimuth_step_rad),
         elevation_rad: if has_elevation {

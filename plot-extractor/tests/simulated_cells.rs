@@ -5,6 +5,7 @@ use std::convert::Infallible;
 use common::angle;
 use common::config::{ChainConfig, MotionConfig, Swerling, TargetConfig};
 use common::geometry::{Polar, range_rate_mps};
+use common::health::Reject;
 use common::plots::{Plot, PlotsHeader};
 use plot_extractor::PlotExtractor;
 use radar_sim::DwellSimulator;
@@ -139,4 +140,45 @@ fn each_target_gives_one_plot_whose_errors_are_as_stated() {
         let mean = sum / f64::from(found);
         assert!((0.8..1.25).contains(&mean), "{axis}: {mean}");
     }
+}
+
+/// Lost sectors, a rewound stream and foreign headers: every plot stays at its own time,
+/// nothing panics, the books of the lineage stay exact.
+#[test]
+fn gaps_and_rewinds_are_survived() {
+    let mut chain = quiet_radar();
+    chain.radar.elevations = 4;
+    chain.extractor.pfa = 1e-3;
+    let mut simulator = DwellSimulator::new(&chain).expect("valid scenario");
+    let mut extractor = PlotExtractor::new(&chain.extractor, &chain.radar);
+    let mut amplitudes = vec![0.0; simulator.cells()];
+    let (mut headers, mut taken) = (Vec::new(), 0);
+    let order = (0..700).chain(900..1040).chain(500..800).chain([3, 1039, 5]);
+    for (count, dwell) in order.enumerate() {
+        simulator.fill(1, dwell, &mut amplitudes);
+        let mut header = simulator.header(1, dwell);
+        header.session = 1 + u64::from(count > 850);
+        let cut = if count % 97 == 5 { 10 } else { 0 };
+        if count % 101 == 7 {
+            header.azimuth_rad = f64::NAN;
+        }
+        taken += u64::from(header.azimuth_rad.is_finite());
+        let cells = &amplitudes[cut..];
+        let result = extractor.take(&header, cells, 1, |header, plots| {
+            let turn_ns = 1_000_000_000;
+            assert!(plots.iter().all(|plot| plot.time_ns.abs_diff(header.time_ns) < turn_ns));
+            headers.push(*header);
+            Ok::<(), Infallible>(())
+        });
+        let expected = if header.azimuth_rad.is_nan() {
+            Some(Reject::BadHeader)
+        } else if cut > 0 {
+            Some(Reject::LengthMismatch)
+        } else {
+            None
+        };
+        assert_eq!(result, Ok(expected), "dwell {dwell}");
+    }
+    let in_messages: u64 = headers.iter().map(|header| header.lineage.taken).sum();
+    assert!(taken - in_messages <= 33, "all but the open sector: {taken} {in_messages}");
 }

@@ -1,4 +1,4 @@
-//! The tracker as a command.
+//! The tracker as a process, and as a batch run without shared memory.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -9,14 +9,16 @@ use anyhow::Context;
 use clap::{Parser, Subcommand};
 use common::process::{BadInput, StageArgs};
 use common::recording::{self, jsonl::Writer};
-use tracker::Tracker;
 use tracker::replay::replay;
+use tracker::{Tracker, process};
 
 #[derive(Parser)]
 #[command(version, about = "IMM-PDA tracking with plot statistics: plots in, tracks out")]
 struct Args {
+    #[command(flatten)]
+    stage: StageArgs,
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Subcommand)]
@@ -36,8 +38,9 @@ enum Command {
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    common::process::run("tracker", || match args.command {
-        Command::Replay { stage, plots, tracks } => replay_file(&stage, &plots, &tracks),
+    common::process::run(process::NAME, || match args.command {
+        Some(Command::Replay { stage, plots, tracks }) => replay_file(&stage, &plots, &tracks),
+        None => process::run(&args.stage),
     })
 }
 

@@ -2,14 +2,13 @@
 
 use std::io::Write;
 
-use common::message::Lineage;
-use common::plots::PlotsHeader;
 use common::recording::jsonl::Writer;
 use common::recording::{Recorded, RecordedRef, RecordingError};
 use common::time::monotonic_ns;
 use common::tracks::{Track, TracksHeader};
 
-use crate::tracker::{Taken, Tracker};
+use crate::process::header_of;
+use crate::tracker::Tracker;
 
 /// What a batch run did.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
@@ -26,26 +25,6 @@ pub struct Summary {
     pub tracker_ns: u64,
     /// Number of the last track that was started, from 1.
     pub tracks: u64,
-}
-
-/// Header of the tracks that the plots of one sector brought up to date.
-pub fn tracks_header(plots: &PlotsHeader, taken: &Taken) -> TracksHeader {
-    TracksHeader {
-        seq: plots.seq,
-        session: plots.session,
-        time_ns: plots.time_ns,
-        lineage: Lineage { session: plots.session, first_seq: plots.seq, last_seq: plots.seq, taken: 1 },
-        stamps: plots.stamps,
-        scan: plots.scan,
-        sector: plots.sector,
-        sectors_per_scan: plots.sectors_per_scan,
-        flags: plots.flags,
-        alive: taken.alive,
-        confirmed: taken.confirmed,
-        rejected: taken.rejected.total() as u32,
-        source_id: plots.source_id,
-        ..TracksHeader::default()
-    }
 }
 
 /// Runs all plots of `messages` through the tracker and writes its tracks; other topics are passed over.
@@ -71,7 +50,8 @@ pub fn replay<W: Write>(
         summary.scans += u64::from(scan != Some((header.session, header.scan)));
         scan = Some((header.session, header.scan));
         summary.tracks = tracks.iter().map(|track| track.id).max().unwrap_or(0).max(summary.tracks);
-        out.write(RecordedRef::Tracks(&tracks_header(&header, &taken), &tracks))?;
+        let tracks_header = TracksHeader { session: header.session, ..header_of(&header, &taken, 0) };
+        out.write(RecordedRef::Tracks(&tracks_header, &tracks))?;
     }
     Ok(summary)
 }
