@@ -17,7 +17,6 @@ struct Entry {
     /// Share of one processor between the last two reports at least half a second apart.
     cpu_share: f64,
     since: (u64, u64),
-    restarts: u32,
 }
 
 impl Board {
@@ -28,11 +27,9 @@ impl Board {
             health: *health,
             cpu_share: 0.0,
             since: now,
-            restarts: 0,
         });
         if entry.health.session != health.session {
             entry.since = now;
-            entry.restarts += 1;
         }
         let elapsed_ns = now.0.saturating_sub(entry.since.0);
         if elapsed_ns >= 500_000_000 {
@@ -47,9 +44,9 @@ impl Board {
         self.latest.get(process).map(|entry| &entry.health)
     }
 
-    /// All processes with their share of one processor and their restarts.
-    pub(crate) fn all(&self) -> impl Iterator<Item = (&str, &Health, f64, u32)> {
-        self.latest.iter().map(|(name, entry)| (name.as_str(), &entry.health, entry.cpu_share, entry.restarts))
+    /// All processes with their share of one processor.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (&str, &Health, f64)> {
+        self.latest.iter().map(|(name, entry)| (name.as_str(), &entry.health, entry.cpu_share))
     }
 
     /// Whether nothing has been reported.

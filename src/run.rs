@@ -24,6 +24,8 @@ pub(crate) fn run(mut chain: ChainConfig) -> anyhow::Result<ExitCode> {
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         chain.run.id = format!("{}-{:03}", common::time::utc_compact(now.as_secs()), now.subsec_millis());
     }
+    let started = SystemTime::now();
+    check_report_place(Path::new(&chain.recorder.report))?;
     Domain::check_shared_memory(&chain)?;
     let domain = Domain::enter(&chain.ipc)?;
     if domain.is_alive() {
@@ -40,7 +42,7 @@ pub(crate) fn run(mut chain: ChainConfig) -> anyhow::Result<ExitCode> {
     let (end, restarts) = ended?;
     match end {
         End::Failed(code) => Ok(ExitCode::from(code)),
-        End::Done { broken } => conclude(&chain, broken || restarts > 0),
+        End::Done { broken } => conclude(&chain, started, broken || restarts > 0),
     }
 }
 
@@ -53,7 +55,6 @@ fn supervise(chain: &ChainConfig) -> anyhow::Result<(End, u32)> {
     let mut reporter = HealthReporter::new(&station, NAME, new_session())?;
     let file = Domain::root(&chain.ipc).join("chain.toml");
     std::fs::write(&file, chain.to_toml()).with_context(|| format!("writing {}", file.display()))?;
-    remove_old_report(Path::new(&chain.recorder.report))?;
 
     let mut supervisor = Supervisor::start(chain, file)?;
     let (mut board, mut screen, mut end) = (Board::default(), Screen::new(), None);
@@ -87,19 +88,25 @@ fn supervise(chain: &ChainConfig) -> anyhow::Result<(End, u32)> {
     Ok((end.unwrap_or(End::Done { broken: false }), supervisor.restarts()))
 }
 
-/// A report that is found after the run must be the run's.
-fn remove_old_report(path: &Path) -> anyhow::Result<()> {
-    match std::fs::remove_file(path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(BadInput(format!("cannot replace report {}: {error}", path.display())).into())
-        }
+/// Finds out before the run whether its report can be written.
+fn check_report_place(path: &Path) -> anyhow::Result<()> {
+    let refuse = |reason: String| Err(BadInput(format!("cannot write report {}: {reason}", path.display())).into());
+    if path.is_dir() {
+        return refuse("it is a directory".into());
+    }
+    match path.parent().map(std::fs::create_dir_all) {
+        Some(Err(error)) => refuse(error.to_string()),
         _ => Ok(()),
     }
 }
 
 /// Prints the report and judges it.
-fn conclude(chain: &ChainConfig, disturbed: bool) -> anyhow::Result<ExitCode> {
+fn conclude(chain: &ChainConfig, started: SystemTime, disturbed: bool) -> anyhow::Result<ExitCode> {
     let path = Path::new(&chain.recorder.report);
+    let written = std::fs::metadata(path).and_then(|file| file.modified());
+    if !written.is_ok_and(|written| written >= started) {
+        anyhow::bail!("the recorder has left no report {}", path.display());
+    }
     let text = std::fs::read_to_string(path).with_context(|| format!("reading report {}", path.display()))?;
     let report: Report = serde_json::from_str(&text).with_context(|| format!("reading report {}", path.display()))?;
     print!("{}", report.to_text());

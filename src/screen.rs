@@ -131,27 +131,23 @@ pub(crate) fn picture(chain: &ChainConfig, board: &Board) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{}  {}  {speed}  {}   {} plots a scan   {} tracks confirmed, {} alive   {} lost",
+        "{}  {}  {speed}  {}   {} plots a scan   {} tracks confirmed, {} alive   {} lost   {} restarts",
         chain.site.name,
         chain.run.mode.name(),
         scan_of(chain, now.scan),
         now.plots,
         now.confirmed,
         now.alive,
-        board.lost()
+        board.lost(),
+        board.of("radar-chain").map_or(0, |launcher| launcher.restarts)
     );
-    let _ = writeln!(
-        text,
-        "\n{:<16}{:>7}{:>10}{:>10}{:>12}{:>10}   lost",
-        "process", "CPU %", "MiB", "restarts", "sent", "rejected"
-    );
-    for (name, health, cpu_share, restarts) in board.all() {
+    let _ = writeln!(text, "\n{:<16}{:>7}{:>10}{:>12}{:>10}   lost", "process", "CPU %", "MiB", "sent", "rejected");
+    for (name, health, cpu_share) in board.all() {
         let _ = write!(
             text,
-            "{name:<16}{:>7.0}{:>10.1}{:>10}{:>12}{:>10}",
+            "{name:<16}{:>7.0}{:>10.1}{:>12}{:>10}",
             cpu_share * 100.0,
             health.rss_bytes as f64 / f64::from(1 << 20),
-            restarts,
             health.messages_out,
             health.rejected.iter().sum::<u64>()
         );

@@ -38,7 +38,7 @@ pub(crate) fn status(chain: &ChainConfig, json: bool) -> anyhow::Result<ExitCode
     if json {
         let processes: serde_json::Map<_, _> = board
             .all()
-            .map(|(name, health, cpu_share, _)| {
+            .map(|(name, health, cpu_share)| {
                 let mut value = serde_json::to_value(health)?;
                 value["name"] = name.into();
                 value["cpu_share"] = cpu_share.into();

@@ -118,8 +118,11 @@ impl Supervisor {
 fn resume_at(stage: &Stage, board: &Board, chain: &ChainConfig) -> Vec<String> {
     const TRACKS_PER_START: u64 = 1_000_000;
     if stage.name.is_source() {
-        let seen = board.all().map(|(_, health, _, _)| health.scan).max();
-        vec![format!("run.first_scan={}", seen.map_or(chain.run.first_scan, |scan| scan + 1))]
+        let seen = board.all().map(|(_, health, _)| health.scan).max();
+        let next = seen.map_or(chain.run.first_scan, |scan| scan + 1);
+        // A run that was in its last scan repeats it: somebody has to say that it is the end.
+        let last = chain.run.scans.checked_sub(1).unwrap_or(u32::MAX);
+        vec![format!("run.first_scan={}", next.min(last))]
     } else if stage.name == StageName::Tracker {
         let first = chain.run.first_track + TRACKS_PER_START * u64::from(stage.restarts + 1);
         vec![format!("run.first_track={first}")]

@@ -157,7 +157,7 @@ pub struct Health {
     pub confirmed: u32,
     /// Plots of the last whole scan.
     pub plots: u32,
-    /// Starts after the first one (filled by the launcher for its stages).
+    /// Restarts of stages so far; only the launcher fills it.
     pub restarts: u32,
     /// 1 once the process has seen the end of the stream and published all.
     pub ended: u32,

@@ -17,6 +17,8 @@ pub enum Purpose {
     Measurement = 4,
     /// Drawn trajectories in experiments.
     Trajectory = 5,
+    /// Phase of a target's echo.
+    Phase = 7,
     /// Tests.
     Test = 6,
 }

@@ -111,8 +111,8 @@ pub struct HealthReports;
 
 /// Most plots in one message; the weakest of more are left out and counted.
 pub const MAX_PLOTS: usize = 1024;
-/// Most tracks in one message; what is more follows in the next one.
-pub const MAX_TRACKS: usize = 512;
+/// Most tracks in one message; tentative ones are left out first, and counted.
+pub const MAX_TRACKS: usize = 256;
 /// Most targets in the truth of one scan.
 pub const MAX_TARGETS: usize = 1024;
 

@@ -15,7 +15,7 @@
 //! The peak is the largest cell, so δ has the prior variance 1/12 of a uniform
 //! distribution within a cell; with it no error exceeds cell/(2√3) (C1).
 //!
-//! Derivation: `docs/theory/amplitude.md`.
+//! Derivation: `docs/theory/cells-and-plots.md`.
 
 /// Place along one axis relative to the centre of the peak cell, in cells.
 #[derive(Debug, Clone, Copy, PartialEq)]

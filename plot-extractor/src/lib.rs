@@ -5,7 +5,7 @@
 //! dwell ─▶ cfar (hits) ─▶ clustering (one cluster per target) ─▶ centroid ─▶ plots of a sector
 //! ```
 //!
-//! Formulas: (C3), (C4), (C6) of `docs/theory/amplitude.md`. The library knows no clock
+//! Formulas: (C3), (C4) of `docs/theory/amplitude.md`, (C6) of `docs/theory/cells-and-plots.md`. The library knows no clock
 //! and no shared memory; [`process`] is the shell around it.
 
 pub mod centroid;

@@ -9,12 +9,12 @@ pub enum SourceError {
     #[error("key `plot_source.file` is empty, expected an ASTERIX recording (--set plot_source.file=FILE)")]
     NoFile,
     /// The file cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {cause}", path.display())]
     Read {
         /// Which file.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// There is not one readable block in the file.
     #[error("{} is not an ASTERIX recording with category 010: no readable record in {bytes} bytes", path.display())]

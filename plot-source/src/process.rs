@@ -28,7 +28,9 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let truth = station.publisher::<Truth>(MAX_TARGETS, &[Consumer::Recorder])?;
     let session = new_session();
     let mut reporter = HealthReporter::new(&station, NAME, session)?;
-    reporter.health.rejected = source.rejected().0;
+    if chain.run.first_scan == 0 {
+        reporter.health.rejected = source.rejected().0; // of the whole file: said once, not at every restart
+    }
     reporter.publish()?;
     plots.wait_for_consumers()?;
     truth.wait_for_consumers()?;

@@ -127,7 +127,7 @@ impl Source {
 
     /// Goes on with scan number `scan`: a restarted process rejoins the schedule.
     pub fn skip_to(&mut self, scan: u32) {
-        self.next = scan;
+        self.next = scan.min(self.scans.saturating_sub(1));
     }
 
     fn truth_of(&self, scan: u32, bounds_ns: (u64, u64), end: u32) -> Option<(TruthHeader, Vec<TruthTarget>)> {
@@ -170,5 +170,5 @@ impl Iterator for Source {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, SourceError> {
-    std::fs::read(path).map_err(|source| SourceError::Read { path: path.to_path_buf(), source })
+    std::fs::read(path).map_err(|cause| SourceError::Read { path: path.to_path_buf(), cause })
 }

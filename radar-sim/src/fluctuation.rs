@@ -20,8 +20,8 @@ pub fn power(swerling: Swerling, seed: u64, scan: u32, target_id: u32) -> f64 {
 /// Phase of the echo of `target_id` in one dwell, rad: uniform, because a target moves
 /// by many wavelengths between dwells.
 pub fn phase(seed: u64, scan: u32, dwell: u32, target_id: u32) -> f64 {
-    const AFTER_POWERS: u32 = 1 << 20;
-    let mut rng = generator(seed ^ u64::from(target_id), Purpose::Fluctuation, scan, AFTER_POWERS + dwell);
+    const TARGETS: u32 = 1 << 12; // more than there can be
+    let mut rng = generator(seed, Purpose::Phase, scan, dwell * TARGETS + target_id);
     rng.random::<f64>() * std::f64::consts::TAU
 }
 

@@ -6,7 +6,7 @@
 //!                                                  receiver noise ──┴▶ |s + n| per cell
 //! ```
 //!
-//! Physics and symbols: (C1), (C2) of `docs/theory/amplitude.md`. The library knows no
+//! Physics and symbols: (C1), (C2) of `docs/theory/cells-and-plots.md`. The library knows no
 //! clock and no shared memory; [`process`] is the shell around it.
 
 pub mod clutter;

@@ -20,6 +20,9 @@ use recorder::{diff, export, info};
 pub(crate) fn info(path: &Path) -> anyhow::Result<ExitCode> {
     // `open` checks the form; the container is read by itself because only it has a description.
     drop(open(path)?);
+    if path.extension().is_some_and(|extension| extension == "jsonl") {
+        return Err(BadInput(format!("{} holds JSON lines, expected an MCAP recording", path.display())).into());
+    }
     let file = File::open(path).with_context(|| format!("opening {}", path.display()))?;
     let text = info::describe(BufReader::with_capacity(1 << 20, file)).map_err(|error| in_file(path, &error))?;
     say(&text)

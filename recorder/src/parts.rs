@@ -44,7 +44,7 @@ impl Run {
         description: &Description,
     ) -> Result<(PathBuf, PartWriter), RecordingError> {
         let path = self.part(description.part);
-        let opening = |source| RecordingError::Open { path: path.clone(), source };
+        let opening = |cause| RecordingError::Open { path: path.clone(), cause };
         std::fs::create_dir_all(&self.directory).map_err(opening)?;
         let file = File::create_new(&path).map_err(opening)?;
         let chunk_bytes = u64::from(config.recorder.chunk_kib) * 1024;
@@ -59,7 +59,7 @@ impl Run {
 /// # Errors
 /// The file cannot be opened.
 pub fn read_whole(path: &Path, mut take: impl FnMut(RecordedRef<'_>)) -> Result<(), RecordingError> {
-    let file = File::open(path).map_err(|source| RecordingError::Open { path: path.to_path_buf(), source })?;
+    let file = File::open(path).map_err(|cause| RecordingError::Open { path: path.to_path_buf(), cause })?;
     for message in Reader::new(BufReader::with_capacity(1 << 20, file)).map_while(Result::ok) {
         take(message.by_ref());
     }

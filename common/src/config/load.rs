@@ -8,12 +8,12 @@ use super::{ChainConfig, MotionConfig};
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
     /// The file cannot be read.
-    #[error("cannot read configuration file {path}: {source}")]
+    #[error("cannot read configuration file {path}: {cause}")]
     Read {
         /// Which file.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// The file is not TOML.
     #[error("{path}: {message}")]
@@ -58,7 +58,7 @@ pub enum ConfigError {
 pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
     let text = match path {
         Some(path) => {
-            std::fs::read_to_string(path).map_err(|source| ConfigError::Read { path: path.to_path_buf(), source })?
+            std::fs::read_to_string(path).map_err(|cause| ConfigError::Read { path: path.to_path_buf(), cause })?
         }
         None => String::new(),
     };

@@ -18,8 +18,6 @@ pub struct PlotSourceConfig {
     pub sectors_per_scan: u32,
     /// Nominal time of one turn, s: tells how many start-of-cycle messages are missing in a gap.
     pub scan_period_s: f64,
-    /// Reports may arrive this long after reports of later time, s.
-    pub reorder_s: f64,
     /// The radar sees no farther than this, m.
     pub coverage_range_m: f64,
     /// Standard error of the range of a plot, m.
@@ -42,7 +40,6 @@ impl Default for PlotSourceConfig {
             date: "1970-01-01".into(),
             sectors_per_scan: 32,
             scan_period_s: 1.0,
-            reorder_s: 0.25,
             coverage_range_m: 10_000.0,
             sigma_range_m: 3.0,
             sigma_azimuth_deg: 0.1,
@@ -86,7 +83,6 @@ impl PlotSourceConfig {
         within("plot_source.sectors_per_scan", self.sectors_per_scan.into(), 1..=1024)?;
         require("plot_source.date", &self.date, self.days_since_1970().is_some(), "a date from 1970 on as YYYY-MM-DD")?;
         positive("plot_source.scan_period_s", self.scan_period_s)?;
-        not_negative("plot_source.reorder_s", self.reorder_s)?;
         positive("plot_source.coverage_range_m", self.coverage_range_m)?;
         positive("plot_source.sigma_range_m", self.sigma_range_m)?;
         positive("plot_source.sigma_azimuth_deg", self.sigma_azimuth_deg)?;

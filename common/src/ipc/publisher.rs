@@ -36,10 +36,16 @@ pub struct Publisher<M: Message> {
     ready: Listener<Ipc>,
     domain: Domain,
     mode: Mode,
-    /// Consumers that have not yet connected, one bit each.
+    /// Consumers without which nothing is sent, one bit each.
+    consumers: u32,
+    /// Those of them that have not yet found this publisher. One that comes later
+    /// connects to the publishers there are as it is created.
     awaited: Cell<u32>,
-    consumers: usize,
     started: Cell<bool>,
+}
+
+fn bit(consumer: Consumer) -> u32 {
+    1 << consumer as u32
 }
 
 impl<M: Message> Publisher<M> {
@@ -78,6 +84,7 @@ impl<M: Message> Publisher<M> {
                 )
             }
         };
+        let consumers = consumers.iter().fold(0, |bits, &consumer| bits | bit(consumer));
         let this = Self {
             port: builder.create().map_err(|cause| failed(format!("{cause:?}")))?,
             notifier: arrival.notifier_builder().create().map_err(|cause| failed(format!("{cause:?}")))?,
@@ -85,8 +92,8 @@ impl<M: Message> Publisher<M> {
             ready,
             domain: domain.clone(),
             mode,
-            awaited: Cell::new(consumers.iter().fold(0, |bits, &consumer| bits | 1 << consumer as u32)),
-            consumers: consumers.len(),
+            consumers,
+            awaited: Cell::new(consumers),
             started: Cell::new(false),
         };
         this.wake(); // consumers look for a new publisher when they are woken
@@ -175,10 +182,15 @@ impl<M: Message> Publisher<M> {
     fn has_consumers(&self) -> bool {
         if self.awaited.get() != 0 {
             let _ = self.ready.try_wait(|event| {
-                self.awaited.set(self.awaited.get() & !(1_u32 << (event.id.as_value() as u32 & 31)));
+                self.awaited.set(self.awaited.get() & !(1_u32.checked_shl(event.id.as_value() as u32).unwrap_or(0)));
             });
         }
-        self.awaited.get() == 0 && self.service.dynamic_config().number_of_subscribers() >= self.consumers
+        let mut present = 0;
+        self.service.dynamic_config().list_subscribers(|details| {
+            present |= bit(Consumer::of(details.subscriber_name.as_str()));
+            CallbackProgression::Continue
+        });
+        self.awaited.get() == 0 && self.consumers & !present == 0
     }
 
     /// Stays until the consumers have left, at most two seconds: what a publisher sends

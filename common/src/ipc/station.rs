@@ -19,7 +19,7 @@ pub struct Station {
     domain: Domain,
     site: String,
     mode: Mode,
-    consumer: Consumer,
+    process: String,
 }
 
 /// What a publisher needs: its messages, telling of their arrival, being told of consumers.
@@ -56,7 +56,7 @@ impl Station {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()
             .map_err(|cause| error(format!("{cause:?}")))?;
-        Ok(Self { node, domain, site: chain.site.name.clone(), mode: chain.run.mode, consumer: Consumer::of(name) })
+        Ok(Self { node, domain, site: chain.site.name.clone(), mode: chain.run.mode, process: name.to_string() })
     }
 
     /// The domain.
@@ -96,7 +96,7 @@ impl Station {
     /// # Errors
     /// [`IpcError`].
     pub fn subscriber<M: Message>(&self) -> Result<Subscriber<M>, IpcError> {
-        Subscriber::new(self.data::<M>()?, &self.event(&self.ready_name(M::TOPIC))?, self.consumer)
+        Subscriber::new(self.data::<M>()?, &self.event(&self.ready_name(M::TOPIC))?, &self.process)
     }
 
     /// What [`super::attend`] needs to be woken by messages of a topic.

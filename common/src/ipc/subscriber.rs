@@ -44,8 +44,10 @@ impl<M: Message> Received<M> {
 }
 
 impl<M: Message> Subscriber<M> {
-    pub(super) fn new(service: DataService<M>, ready: &EventService, consumer: Consumer) -> Result<Self, IpcError> {
-        let port = service.subscriber_builder().create().map_err(|cause| Self::failed(&cause))?;
+    pub(super) fn new(service: DataService<M>, ready: &EventService, process: &str) -> Result<Self, IpcError> {
+        let consumer = Consumer::of(process);
+        let name = PortName::new(process).map_err(|cause| Self::failed(&cause))?;
+        let port = service.subscriber_builder().name(&name).create().map_err(|cause| Self::failed(&cause))?;
         let ready = ready
             .notifier_builder()
             .default_event_id(EventId::new(consumer as usize))

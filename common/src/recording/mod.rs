@@ -18,12 +18,12 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
     /// The file cannot be opened.
-    #[error("cannot open recording {}: {source}", path.display())]
+    #[error("cannot open recording {}: {cause}", path.display())]
     Open {
         /// Which file.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// Neither a recording nor JSON lines.
     #[error("{} is not a recording: expected an MCAP file or JSON lines", path.display())]
@@ -68,7 +68,7 @@ pub type Messages = Box<dyn Iterator<Item = Result<Recorded, RecordingError>>>;
 /// # Errors
 /// The file does not exist, is a directory, or is neither form.
 pub fn open(path: &Path) -> Result<Messages, RecordingError> {
-    let opening = |source| RecordingError::Open { path: path.to_path_buf(), source };
+    let opening = |cause| RecordingError::Open { path: path.to_path_buf(), cause };
     let mut file = File::open(path).map_err(opening)?;
     let mut start = [0_u8; container::MAGIC.len()];
     let length = read_up_to(&mut file, &mut start).map_err(opening)?;
