@@ -2,9 +2,12 @@
 
 mod support;
 
-use common::recording::container;
+use common::recording::{container, jsonl};
+use common::services::Topic;
+use plot_extractor::PlotExtractor;
 use recorder::diff::first_difference;
 use support::{Bench, text_of};
+use tracker::Tracker;
 
 fn messages(
     path: &std::path::Path,
@@ -86,4 +89,36 @@ fn in_real_time_mode_nothing_waits_and_every_loss_is_counted() {
     let tracks = report.messages["tracks"] + lost("tracks", "recorder") + lost("plots", "tracker");
     assert!(tracks <= 20 * 8, "{report:?}");
     assert!(report.scans > 0);
+}
+
+/// Recorded dwells through the extractor, and recorded plots through the tracker, give what was recorded of them.
+#[test]
+fn batch_runs_repeat_the_chain() {
+    let bench = Bench::new();
+    let output = bench.run(&["--set", "recorder.dwells=true"]);
+    assert!(output.status.success(), "{}", text_of(&output));
+    let recording = bench.recordings().remove(0);
+    let chain = common::config::load(Some(&support::small_config()), &[]).expect("valid configuration");
+
+    let replayed = |topic: Topic, lines: &[u8]| {
+        let recorded =
+            messages(&recording).filter(|message| message.as_ref().is_ok_and(|m| m.by_ref().topic() == topic));
+        let again = jsonl::Reader::new(lines);
+        first_difference(recorded, again).expect("whole recordings")
+    };
+    let mut lines = Vec::new();
+    let mut extractor = PlotExtractor::new(&chain.extractor, &chain.radar);
+    let mut out = jsonl::Writer::new(&mut lines);
+    let summary = plot_extractor::replay::replay(messages(&recording), &mut extractor, &mut out).expect("a replay");
+    out.finish().expect("written");
+    assert_eq!((summary.dwells, summary.rejected), (12 * 64, 0));
+    assert_eq!(replayed(Topic::Plots, &lines), None);
+
+    let mut lines = Vec::new();
+    let mut tracker = Tracker::new(&chain.tracker, 1).expect("valid configuration");
+    let mut out = jsonl::Writer::new(&mut lines);
+    let summary = tracker::replay::replay(messages(&recording), &mut tracker, &mut out).expect("a replay");
+    out.finish().expect("written");
+    assert_eq!(summary.messages, 12 * 8);
+    assert_eq!(replayed(Topic::Tracks, &lines), None);
 }

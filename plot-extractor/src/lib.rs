@@ -13,5 +13,6 @@ pub mod cfar;
 pub mod clustering;
 pub mod extractor;
 pub mod process;
+pub mod replay;
 
 pub use extractor::PlotExtractor;
