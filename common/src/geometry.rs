@@ -106,7 +106,7 @@ mod tests {
         }
     }
 
-    /// (T6) against 4 million drawn measurements at [L22]'s errors: 0.5 % of the standard
+    /// (T6) against 4 million drawn measurements at \[L22\]'s errors: 0.5 % of the standard
     /// deviations along range, azimuth and elevation (standard error of a variance 0.07 %).
     #[test]
     fn covariance_agrees_with_monte_carlo() {

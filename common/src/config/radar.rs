@@ -6,7 +6,7 @@ use super::load::{ConfigError, not_negative, positive, require, within};
 use crate::services::MAX_CELLS;
 
 /// A stacked-beam radar that turns: every dwell is one azimuth step with all elevation
-/// beams, Doppler and range cells. Defaults are [L22]'s cells: σ = δ/(2√3) gives 20 m, 0.1° and 10 m/s (C1).
+/// beams, Doppler and range cells. Defaults are \[L22\]'s cells: σ = δ/(2√3) gives 20 m, 0.1° and 10 m/s (C1).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RadarConfig {

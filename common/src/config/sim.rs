@@ -29,7 +29,7 @@ pub enum MotionConfig {
         /// m/s.
         velocity_mps: [f64; 3],
     },
-    /// A trajectory of [L22]: `a`, `b` or `cv`, in its own place (algorithms, section 2).
+    /// A trajectory of \[L22\]: `a`, `b` or `cv`, in its own place.
     Trajectory {
         /// `"a"`, `"b"` or `"cv"`.
         trajectory: String,

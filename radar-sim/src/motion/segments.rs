@@ -1,4 +1,4 @@
-//! Pieces of constant acceleration: straight lines and the trajectories of [L22].
+//! Pieces of constant acceleration: straight lines and the trajectories of \[L22\].
 
 use common::truth::MANOEUVRE;
 use nalgebra::Vector3;
@@ -30,7 +30,7 @@ impl Piece {
 /// (north, east) acceleration, m/s², and number of one-second steps.
 type Step = (f64, f64, u32);
 
-/// Trajectories of [L22] after the start at k = −1: steps k = 0…9, 10…15, 16…20, 21…25, 26…33, 34…39.
+/// Trajectories of \[L22\] after the start at k = −1: steps k = 0…9, 10…15, 16…20, 21…25, 26…33, 34…39.
 const A: [Step; 6] = [(0.0, 0.0, 10), (5.0, 0.0, 6), (0.0, 0.0, 5), (-2.0, 4.0, 5), (0.0, 0.0, 8), (3.0, 3.0, 6)];
 const B: [Step; 6] = [(0.0, 0.0, 10), (7.0, -1.0, 6), (0.0, 0.0, 5), (-4.4, 5.2, 5), (0.0, 0.0, 8), (-4.0, 5.0, 6)];
 
@@ -40,7 +40,7 @@ impl Segments {
         Self::new(position_m, velocity_mps, &[])
     }
 
-    /// Trajectory `"a"`, `"b"` or `"cv"` of [L22], moved by `shift_m`. Time 0 is k = −1.
+    /// Trajectory `"a"`, `"b"` or `"cv"` of \[L22\], moved by `shift_m`. Time 0 is k = −1.
     pub fn published(name: &str, shift_m: Vector3<f64>) -> Self {
         let steps: &[Step] = match name {
             "a" => &A,

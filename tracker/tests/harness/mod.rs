@@ -13,7 +13,7 @@ use rand_distr::{Distribution, Exp1, StandardNormal};
 
 /// Sectors in a scan.
 pub(crate) const SECTORS: u32 = 32;
-/// Cells of [L22]: range, azimuth, elevation, range rate.
+/// Cells of \[L22\]: range, azimuth, elevation, range rate.
 pub(crate) const CELL: [f64; 4] = [69.3, 0.006_04, 0.006_04, 34.6];
 /// Start of measurement time, ns.
 pub(crate) const EPOCH_NS: u64 = 1_700_000_000_000_000_000;
