@@ -74,9 +74,16 @@ pub(crate) struct Stage {
 
 #[derive(Debug)]
 enum State {
-    Running { child: Child, since: Instant },
+    Running {
+        child: Child,
+        since: Instant,
+    },
     Ended(ExitStatus),
-    Waiting { until: Instant },
+    /// Died and is not wanted any more.
+    GivenUp,
+    Waiting {
+        until: Instant,
+    },
 }
 
 /// What has become of a stage since it was last looked at.
@@ -116,7 +123,7 @@ impl Stage {
     /// Looks what has become of the process. After [`Event::Died`], [`Event::Due`] follows when its pause is over.
     pub(crate) fn look(&mut self, config: &SupervisionConfig) -> anyhow::Result<Event> {
         match &mut self.state {
-            State::Ended(_) => Ok(Event::Nothing),
+            State::Ended(_) | State::GivenUp => Ok(Event::Nothing),
             State::Waiting { until } => Ok(if Instant::now() >= *until { Event::Due } else { Event::Nothing }),
             State::Running { child, since } => {
                 let Some(status) = child.try_wait().context("waiting for a process")? else {
@@ -142,14 +149,23 @@ impl Stage {
         }
     }
 
-    /// Whether it has ended and found something broken.
+    /// Whether it has ended and found something broken, or died at the end.
     pub(crate) fn found_broken(&self) -> bool {
-        matches!(self.state, State::Ended(status) if !status.success())
+        match &self.state {
+            State::Ended(status) => !status.success(),
+            State::GivenUp => !self.name.is_source(),
+            _ => false,
+        }
+    }
+
+    /// Does not start it again.
+    pub(crate) fn give_up(&mut self) {
+        self.state = State::GivenUp;
     }
 
     /// Whether it has ended for good.
     pub(crate) fn has_ended(&self) -> bool {
-        matches!(self.state, State::Ended(_))
+        matches!(self.state, State::Ended(_) | State::GivenUp)
     }
 
     /// Sends a signal, if it is running.

@@ -19,7 +19,12 @@ pub(crate) struct Supervisor {
     stages: Vec<Stage>,
     /// When the source ended or was asked to.
     ending_since: Option<Instant>,
+    /// The stages have been asked to end, because the end of the stream has not reached them.
+    told: bool,
 }
+
+/// How long after the source the other stages end by themselves.
+const LAST_WORDS: Duration = Duration::from_secs(3);
 
 /// How a supervised run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +38,7 @@ pub(crate) enum End {
 impl Supervisor {
     /// Starts all processes of `chain`.
     pub(crate) fn start(chain: &ChainConfig, file: PathBuf) -> anyhow::Result<Self> {
-        let mut this = Self { chain: chain.clone(), file, stages: Vec::new(), ending_since: None };
+        let mut this = Self { chain: chain.clone(), file, stages: Vec::new(), ending_since: None, told: false };
         for &name in StageName::of(chain) {
             match Stage::start(name, &this.file, &[], &chain.supervision) {
                 Ok(stage) => this.stages.push(stage),
@@ -64,6 +69,14 @@ impl Supervisor {
                 }
                 Event::Refused => return Ok(Some(End::Failed(EXIT_BAD_USAGE))),
                 Event::Died(signal) => {
+                    if self.ending_since.is_some() {
+                        // Nothing would tell a new one that it is the end.
+                        if !name.is_source() {
+                            screen.say(&format!("{} died while the chain was ending", name.name()));
+                        }
+                        self.stages[index].give_up();
+                        continue;
+                    }
                     let cause = signal.map_or("with an error".to_string(), |signal| format!("by signal {signal}"));
                     if self.stages[index].restarts >= self.chain.supervision.max_restarts {
                         screen.say(&format!(
@@ -84,6 +97,14 @@ impl Supervisor {
         if self.stages.iter().all(Stage::has_ended) {
             let broken = self.stages.iter().any(Stage::found_broken);
             return Ok(Some(End::Done { broken }));
+        }
+        let source_ended = self.stages.iter().all(|stage| !stage.name.is_source() || stage.has_ended());
+        if source_ended && !self.told && self.ending_since.is_some_and(|since| since.elapsed() > LAST_WORDS) {
+            // The end of the stream has got lost on its way: they end when nobody is upstream.
+            self.told = true;
+            for stage in &self.stages {
+                stage.signal(Signal::TERM);
+            }
         }
         let drain = Duration::from_secs_f64(self.chain.supervision.drain_s);
         if self.ending_since.is_some_and(|since| since.elapsed() > drain) {

@@ -39,7 +39,7 @@ pub struct Stamps {
 /// Which messages of the upstream topic went into a result: the recorder can tell
 /// from successive results, exactly, what a stage has missed or lost by its death.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend)]
-#[type_name("radar/Lineage/1")]
+#[type_name("radar/Lineage/2")]
 #[repr(C)]
 pub struct Lineage {
     /// Session of the upstream publisher; 0 if there is no upstream topic.
@@ -50,4 +50,8 @@ pub struct Lineage {
     pub last_seq: u64,
     /// Upstream messages taken between the two, rejected ones included.
     pub taken: u64,
+    /// Upstream messages taken in this session of the stage, these included.
+    pub taken_in_session: u64,
+    /// Results published in this session of the stage before this one.
+    pub published_before: u64,
 }

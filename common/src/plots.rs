@@ -63,7 +63,7 @@ impl Plot {
 
 /// Header of the plots of one sector.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
-#[type_name("radar/PlotsHeader/1")]
+#[type_name("radar/PlotsHeader/2")]
 #[repr(C)]
 #[repr(align(64))]
 pub struct PlotsHeader {
@@ -116,7 +116,7 @@ pub struct PlotsHeader {
     /// SAC (high byte) and SIC (low byte) of the radar.
     pub source_id: u32,
     /// Always 0: no undefined bytes.
-    pub reserved: [u32; 8],
+    pub reserved: [u32; 4],
 }
 
 const _: () = assert!(size_of::<PlotsHeader>() == 256 && align_of::<PlotsHeader>() == 64);

@@ -132,7 +132,7 @@ impl Message for Dwells {
 
 impl Message for Plots {
     const TOPIC: Topic = Topic::Plots;
-    const SCHEMA: &'static str = "plots/1";
+    const SCHEMA: &'static str = "plots/2";
     const BUFFER: usize = 32;
     const SUBSCRIBERS: usize = 4;
     const PUBLISHERS: usize = 2;
@@ -146,7 +146,7 @@ impl Message for Plots {
 
 impl Message for Tracks {
     const TOPIC: Topic = Topic::Tracks;
-    const SCHEMA: &'static str = "tracks/1";
+    const SCHEMA: &'static str = "tracks/2";
     const BUFFER: usize = 16;
     const SUBSCRIBERS: usize = 4;
     const PUBLISHERS: usize = 2;

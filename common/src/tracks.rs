@@ -142,7 +142,7 @@ pub const fn pack(row: usize, column: usize) -> usize {
 
 /// Header of the tracks of one sector.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
-#[type_name("radar/TracksHeader/1")]
+#[type_name("radar/TracksHeader/2")]
 #[repr(C)]
 #[repr(align(64))]
 pub struct TracksHeader {
@@ -175,7 +175,7 @@ pub struct TracksHeader {
     /// SAC (high byte) and SIC (low byte) of the radar.
     pub source_id: u32,
     /// Always 0: no undefined bytes.
-    pub reserved: [u32; 15],
+    pub reserved: [u32; 11],
 }
 
 const _: () = assert!(size_of::<TracksHeader>() == 192 && align_of::<TracksHeader>() == 64);

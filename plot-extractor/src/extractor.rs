@@ -25,6 +25,9 @@ pub struct PlotExtractor {
     /// The dwell before, whatever sector or session it was of.
     previous: Option<DwellHeader>,
     sector: Sector,
+    /// Dwells taken, and messages published, so far.
+    taken: u64,
+    published: u64,
 }
 
 /// Everything that depends on the cells of the radar.
@@ -61,6 +64,8 @@ impl PlotExtractor {
             plots: Vec::with_capacity(MAX_PLOTS),
             previous: None,
             sector: Sector::default(),
+            taken: 0,
+            published: 0,
         }
     }
 
@@ -87,11 +92,11 @@ impl PlotExtractor {
         }
         if self.sector.last.is_some_and(|last| last.session != header.session) || self.sector.lineage.taken == 0 {
             let first_seq = if self.sector.lineage.taken == 0 { header.seq } else { self.sector.lineage.first_seq };
-            let taken = self.sector.lineage.taken;
-            self.sector.lineage = Lineage { session: header.session, first_seq, last_seq: header.seq, taken };
+            self.sector.lineage = Lineage { session: header.session, first_seq, ..self.sector.lineage };
         }
         self.sector.lineage.last_seq = header.seq;
         self.sector.lineage.taken += 1;
+        self.taken += 1;
         self.sector.extractor_in_ns = received_ns;
         self.sector.last = Some(*header);
         self.previous = Some(*header);
@@ -178,7 +183,7 @@ impl PlotExtractor {
         let header = PlotsHeader {
             seq: u64::from(last.scan) * u64::from(last.sectors_per_scan) + u64::from(last.sector),
             time_ns: last.time_ns,
-            lineage: self.sector.lineage,
+            lineage: Lineage { taken_in_session: self.taken, published_before: self.published, ..self.sector.lineage },
             stamps: Stamps {
                 source_out_ns: last.source_out_ns,
                 extractor_in_ns: self.sector.extractor_in_ns,
@@ -205,6 +210,7 @@ impl PlotExtractor {
             ..PlotsHeader::default()
         };
         self.sector = Sector { covered_to_dwell, ..Sector::default() };
+        self.published += 1;
         let published = publish(&header, &self.plots);
         self.plots.clear();
         published

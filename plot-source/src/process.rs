@@ -41,6 +41,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         for (mut header, elements) in scan.plots {
             pace.wait_until(header.time_ns);
             header.session = session;
+            header.lineage.published_before = reporter.health.messages_out;
             if stop_requested() {
                 header.flags |= END_OF_STREAM;
             }

@@ -33,9 +33,13 @@ pub struct Fold {
 impl Fold {
     /// Nothing seen yet of a run with `config`.
     pub fn new(config: &ChainConfig) -> Self {
+        let first_scan = u64::from(config.run.first_scan);
         Self {
             config: config.clone(),
-            losses: Losses::default(),
+            losses: Losses::new(
+                first_scan * u64::from(config.radar.dwells_per_scan),
+                first_scan * u64::from(config.sectors_per_scan()),
+            ),
             latencies: Latencies::new(&config.budget),
             processes: Processes::default(),
             scoring: Scoring::new(config),
@@ -123,7 +127,7 @@ impl Fold {
             scans: self.scans,
             wall_s,
             realtime_factor: if wall_s > 0.0 { span_s(self.measured_ns) / wall_s } else { 0.0 },
-            comparable: lossless && whole && !self.losses.restarted(),
+            comparable: lossless && whole && !self.losses.restarted() && !self.processes.restarted(),
             loss,
             messages: self.losses.messages(),
             latency_us: self.latencies.percentiles(),

@@ -1,16 +1,17 @@
-//! What is missing, by topic and consumer, from positions alone.
+//! What is missing, by topic and consumer, from positions and counts.
 //!
-//! `seq` is the position of a message in the schedule of its stream. What the recorder itself
-//! misses shows as gaps of `seq`. What a stage missed shows in the [`Lineage`] of its results:
+//! `seq` is the position of a message in the schedule of its stream; the [`Lineage`] of a
+//! result counts what its stage has taken and published in its session. Between two
+//! results, whatever the recorder missed meanwhile,
 //!
 //! ```text
-//! lost = (last − last of the result before) − taken
+//! lost by the stage     = positions passed upstream − messages taken
+//! lost by the recorder  = results published − results received
 //! ```
 //!
-//! summed over successive results, whoever failed to deliver it: a full queue, a stage that
-//! died with messages in its hands, or a source that stood still. A result that the
-//! recorder missed hides its lineage: after a gap only what is missing inside the
-//! result is counted.
+//! Both counts begin anew with a session, and positions at the start of the schedule, so that
+//! also what came before the first result is told. Only where a stage and the recorder were away
+//! together, what the stage took in its last moments counts as lost by the stage.
 
 use std::collections::BTreeMap;
 
@@ -44,11 +45,21 @@ struct Stream {
 /// Lineages of one stage's results.
 #[derive(Debug, Default, Clone, Copy)]
 struct Lineages {
-    last_seq: Option<u64>,
-    lost: u64,
+    /// Next position upstream.
+    next_seq: u64,
+    /// Session and counts of the last result.
+    last: Option<(u64, Lineage)>,
+    lost_upstream: u64,
+    lost_results: u64,
 }
 
 impl Losses {
+    /// Nothing seen yet of streams whose schedules begin at these positions.
+    pub(crate) fn new(first_dwell: u64, first_sector: u64) -> Self {
+        let from = |next_seq| Lineages { next_seq, ..Lineages::default() };
+        Self { extractor: from(first_dwell), tracker: from(first_sector), ..Self::default() }
+    }
+
     /// Notes a message; health has a schedule per process and is never counted as lost.
     pub(crate) fn take(&mut self, message: RecordedRef<'_>) {
         let topic = message.topic();
@@ -58,15 +69,13 @@ impl Losses {
             stream.intake.received += 1;
             return;
         }
-        let restarts = stream.intake.restarts;
-        let missing = count_intake(&mut stream.intake, &mut stream.session, message.session(), message.seq());
-        // Between two sessions the stage itself was away: its lineage tells what it missed.
-        let hidden = missing > 0 && stream.intake.restarts == restarts;
-        match message {
-            RecordedRef::Plots(header, _) => self.extractor.take(&header.lineage, hidden),
-            RecordedRef::Tracks(header, _) => self.tracker.take(&header.lineage, hidden),
-            _ => {}
-        }
+        count_intake(&mut stream.intake, &mut stream.session, message.session(), message.seq());
+        let lineages = match message {
+            RecordedRef::Plots(header, _) => self.extractor.take(header.session, &header.lineage),
+            RecordedRef::Tracks(header, _) => self.tracker.take(header.session, &header.lineage),
+            _ => return,
+        };
+        stream.intake.lost = lineages;
     }
 
     /// Notes messages that could not be written to the recording.
@@ -109,27 +118,34 @@ impl Losses {
                 note(TOPIC_NAMES[index], RECORDING, self.unwritten[index]);
             }
         }
-        if self.extractor.last_seq.is_some() {
-            note(Topic::Dwells.name(), "plot-extractor", self.extractor.lost);
+        if self.extractor.has_upstream() {
+            note(Topic::Dwells.name(), "plot-extractor", self.extractor.lost_upstream);
         }
-        if self.tracker.last_seq.is_some() {
-            note(Topic::Plots.name(), "tracker", self.tracker.lost);
+        if self.tracker.has_upstream() {
+            note(Topic::Plots.name(), "tracker", self.tracker.lost_upstream);
         }
         lost
     }
 }
 
 impl Lineages {
-    fn take(&mut self, lineage: &Lineage, hidden: bool) {
-        if lineage.session == 0 || lineage.taken == 0 {
-            return; // made from nothing upstream
+    /// Notes a result and gives how many have been lost on their way to the recorder so far.
+    fn take(&mut self, session: u64, lineage: &Lineage) -> u64 {
+        let last = self.last.filter(|&(last_session, _)| last_session == session).map(|(_, lineage)| lineage);
+        let (taken, published) = last.map_or((0, 0), |last| (last.taken_in_session, last.published_before + 1));
+        self.lost_results += lineage.published_before.saturating_sub(published);
+        if lineage.session != 0 {
+            let passed = (lineage.last_seq.saturating_add(1)).saturating_sub(self.next_seq);
+            self.lost_upstream += passed.saturating_sub(lineage.taken_in_session.saturating_sub(taken));
+            self.next_seq = lineage.last_seq.saturating_add(1);
         }
-        let before = match self.last_seq {
-            Some(last) if !hidden && last < lineage.last_seq => last + 1,
-            _ => lineage.first_seq,
-        };
-        self.lost += (lineage.last_seq + 1).saturating_sub(before).saturating_sub(lineage.taken);
-        self.last_seq = Some(lineage.last_seq);
+        self.last = Some((session, *lineage));
+        self.lost_results
+    }
+
+    /// Whether the results are made from messages of another process.
+    fn has_upstream(&self) -> bool {
+        self.last.is_some_and(|(_, lineage)| lineage.session != 0)
     }
 }
 
@@ -138,13 +154,16 @@ mod tests {
     use super::*;
     use common::tracks::TracksHeader;
 
-    fn tracks(session: u64, seq: u64, first: u64, last: u64, taken: u64) -> TracksHeader {
-        let lineage = Lineage { session: 9, first_seq: first, last_seq: last, taken };
+    /// A tracks message: session, position, plots taken in the session, tracks published before.
+    fn tracks(session: u64, seq: u64, taken_in_session: u64, published_before: u64) -> TracksHeader {
+        let lineage =
+            Lineage { session: 9, first_seq: seq, last_seq: seq, taken: 1, taken_in_session, published_before };
         TracksHeader { session, seq, lineage, ..TracksHeader::default() }
     }
 
+    /// Plots lost by the tracker, tracks lost by the recorder.
     fn lost(headers: &[TracksHeader]) -> (u64, u64) {
-        let mut losses = Losses::default();
+        let mut losses = Losses::new(0, 0);
         for header in headers {
             losses.take(RecordedRef::Tracks(header, &[]));
         }
@@ -154,21 +173,26 @@ mod tests {
 
     #[test]
     fn a_whole_stream_loses_nothing() {
-        assert_eq!(lost(&[tracks(1, 0, 0, 0, 1), tracks(1, 1, 1, 3, 3), tracks(1, 2, 4, 4, 1)]), (0, 0));
+        assert_eq!(lost(&[tracks(1, 0, 1, 0), tracks(1, 1, 2, 1), tracks(1, 2, 3, 2)]), (0, 0));
     }
 
     #[test]
-    fn a_dropped_plots_message_is_the_trackers_loss() {
-        assert_eq!(lost(&[tracks(1, 0, 0, 0, 1), tracks(1, 1, 1, 4, 2), tracks(1, 2, 6, 6, 1)]), (3, 0));
+    fn dropped_plots_are_the_trackers_loss_also_before_its_first_result() {
+        assert_eq!(lost(&[tracks(1, 2, 1, 0), tracks(1, 6, 2, 1)]), (2 + 3, 0));
     }
 
     #[test]
-    fn a_tracker_that_died_with_messages_in_its_hands_lost_them() {
-        assert_eq!(lost(&[tracks(1, 0, 0, 0, 1), tracks(2, 4, 4, 4, 1)]), (3, 3));
+    fn a_tracker_that_died_lost_what_it_had_in_its_hands() {
+        assert_eq!(lost(&[tracks(1, 0, 1, 0), tracks(2, 4, 1, 0)]), (3, 0));
     }
 
     #[test]
     fn what_the_recorder_missed_is_not_the_trackers_loss() {
-        assert_eq!(lost(&[tracks(1, 0, 0, 0, 1), tracks(1, 4, 4, 4, 1), tracks(1, 5, 5, 6, 1)]), (1, 3));
+        assert_eq!(lost(&[tracks(1, 0, 1, 0), tracks(1, 4, 5, 4), tracks(1, 6, 6, 5)]), (1, 3));
+    }
+
+    #[test]
+    fn a_recorder_that_comes_late_knows_what_it_has_missed() {
+        assert_eq!(lost(&[tracks(1, 20, 21, 20), tracks(1, 21, 22, 21)]), (0, 20));
     }
 }

@@ -48,9 +48,14 @@ impl Run {
         std::fs::create_dir_all(&self.directory).map_err(opening)?;
         let file = File::create_new(&path).map_err(opening)?;
         let chunk_bytes = u64::from(config.recorder.chunk_kib) * 1024;
-        let mut writer = Writer::new(BufWriter::new(file), &config.site.name, description, chunk_bytes)?;
-        writer.flush()?;
-        Ok((path, writer))
+        let begun = Writer::new(BufWriter::new(file), &config.site.name, description, chunk_bytes);
+        match begun.and_then(|mut writer| writer.flush().map(|()| writer)) {
+            Ok(writer) => Ok((path, writer)),
+            Err(error) => {
+                let _ = std::fs::remove_file(&path); // an empty file is no recording
+                Err(opening(std::io::Error::other(error.to_string())))
+            }
+        }
     }
 }
 

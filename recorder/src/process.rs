@@ -132,15 +132,24 @@ impl Recorder {
             run: id,
             part: earlier.len() as u32,
         };
+        let mut failed = false;
         let (path, writer) = if chain.recorder.record {
-            let (path, writer) = run.create_part(chain, &description).map_err(|error| BadInput(error.to_string()))?;
-            (Some(path), Some(writer))
+            match run.create_part(chain, &description) {
+                Ok((path, writer)) => (Some(path), Some(writer)),
+                Err(error) if earlier.is_empty() => return Err(BadInput(error.to_string()).into()),
+                Err(error) => {
+                    // In the middle of a run the chain is worth more than its recording.
+                    warn!("nothing more is recorded, the chain goes on: {error}");
+                    failed = true;
+                    (None, None)
+                }
+            }
         } else {
             (None, None)
         };
         let report = PathBuf::from(&chain.recorder.report);
         let flushed = Instant::now();
-        Ok(Self { fold, writer, path, report, flushed, failed: false, ended: false, ended_at: None })
+        Ok(Self { fold, writer, path, report, flushed, failed, ended: false, ended_at: None })
     }
 
     /// Writes and folds one message. A failing disk ends the recording, never the chain.

@@ -54,6 +54,11 @@ impl Processes {
         names.iter().all(|&name| self.by_name.get(name).is_some_and(|lives| lives.now.ended == 1))
     }
 
+    /// Whether any process began anew.
+    pub(crate) fn restarted(&self) -> bool {
+        self.by_name.values().any(|lives| lives.restarts > 0)
+    }
+
     pub(crate) fn report(&self) -> BTreeMap<String, ProcessUse> {
         let mib = |bytes: u64| bytes as f64 / MIB;
         let used = |lives: &Lives| {

@@ -120,9 +120,27 @@ impl Stages {
             }
             let now = monotonic_ns();
             let stamps = Stamps { source_out_ns: now, plots_out_ns: now, ..Stamps::default() };
-            let plots = PlotsHeader { seq, session: 3, time_ns, scan, sector, flags, stamps, ..PlotsHeader::default() };
+            let lineage = Lineage { published_before: seq, ..Lineage::default() };
+            let plots = PlotsHeader {
+                seq,
+                session: 3,
+                time_ns,
+                lineage,
+                scan,
+                sector,
+                flags,
+                stamps,
+                ..PlotsHeader::default()
+            };
             self.plots.publish(&plots, &[Plot { time_ns, ..Plot::default() }], |_| {}).expect("published");
-            let lineage = Lineage { session: 3, first_seq: seq, last_seq: seq, taken: 1 };
+            let lineage = Lineage {
+                session: 3,
+                first_seq: seq,
+                last_seq: seq,
+                taken: 1,
+                taken_in_session: seq + 1,
+                published_before: seq,
+            };
             let tracks = TracksHeader {
                 seq,
                 session: 4,

@@ -38,7 +38,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         while let Some(message) = plots.receive()? {
             let received_ns = monotonic_ns();
             let taken = tracker.take(message.header(), message.elements(), &mut tracks);
-            let mut header = header_of(message.header(), &taken, received_ns);
+            let mut header = header_of(message.header(), &taken, reporter.health.messages_out, received_ns);
             keep_what_fits(&mut tracks, &mut header);
             let published = publisher.publish(&header, &tracks, |header| {
                 header.session = session;
@@ -79,14 +79,22 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Header of the tracks that the plots under `plots` have brought up to date.
-pub fn header_of(plots: &PlotsHeader, taken: &Taken, received_ns: u64) -> TracksHeader {
+/// Header of the tracks that the plots under `plots` have brought up to date, after
+/// `taken_before` other messages of this session.
+pub fn header_of(plots: &PlotsHeader, taken: &Taken, taken_before: u64, received_ns: u64) -> TracksHeader {
     let mut stamps = plots.stamps;
     stamps.tracker_in_ns = received_ns;
     TracksHeader {
         seq: plots.seq,
         time_ns: plots.time_ns,
-        lineage: Lineage { session: plots.session, first_seq: plots.seq, last_seq: plots.seq, taken: 1 },
+        lineage: Lineage {
+            session: plots.session,
+            first_seq: plots.seq,
+            last_seq: plots.seq,
+            taken: 1,
+            taken_in_session: taken_before + 1,
+            published_before: taken_before,
+        },
         stamps,
         scan: plots.scan,
         sector: plots.sector,

@@ -44,13 +44,13 @@ pub fn replay<W: Write>(
         let begin_ns = monotonic_ns();
         let taken = tracker.take(&header, &plots, &mut tracks);
         summary.tracker_ns += monotonic_ns() - begin_ns;
-        summary.messages += 1;
         summary.plots += plots.len() as u64;
         summary.rejected += taken.rejected.total();
         summary.scans += u64::from(scan != Some((header.session, header.scan)));
         scan = Some((header.session, header.scan));
         summary.tracks = tracks.iter().map(|track| track.id).max().unwrap_or(0).max(summary.tracks);
-        let tracks_header = TracksHeader { session: header.session, ..header_of(&header, &taken, 0) };
+        let tracks_header = TracksHeader { session: header.session, ..header_of(&header, &taken, summary.messages, 0) };
+        summary.messages += 1;
         out.write(RecordedRef::Tracks(&tracks_header, &tracks))?;
     }
     Ok(summary)

@@ -131,4 +131,5 @@ pub(crate) fn is_possible(header: &PlotsHeader) -> bool {
         && within(header.pfa, 0.0, 0.5)
         && header.sectors_per_scan > 0
         && header.sector < header.sectors_per_scan
+        && header.seq == u64::from(header.scan) * u64::from(header.sectors_per_scan) + u64::from(header.sector)
 }

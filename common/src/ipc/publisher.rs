@@ -158,7 +158,7 @@ impl<M: Message> Publisher<M> {
         let topic = M::TOPIC.name();
         let (began, mut cleaned, mut told) = (Instant::now(), Instant::now(), false);
         while !self.has_consumers() {
-            if process::stop_requested() && !self.started.get() {
+            if process::stop_requested() && (!self.started.get() || began.elapsed() > FIRST_WAIT) {
                 return Err(IpcError::Stopped { topic });
             }
             if self.mode == Mode::RealTime && began.elapsed() > FIRST_WAIT {
