@@ -68,7 +68,8 @@ const _: () = assert!(size_of::<DwellHeader>() == 192 && align_of::<DwellHeader>
 impl DwellHeader {
     /// Cells that the payload must hold.
     pub fn cells(&self) -> usize {
-        self.elevations as usize * self.dopplers as usize * self.ranges as usize
+        let rows = (self.elevations as usize).saturating_mul(self.dopplers as usize);
+        rows.saturating_mul(self.ranges as usize)
     }
 
     /// Whether one of the flags of [`crate::message`] is set.

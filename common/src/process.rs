@@ -1,5 +1,6 @@
 //! What the shells of all processes share: arguments, signals, logging, health, exit codes.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -84,7 +85,11 @@ fn conclude(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> Exit
 fn start_logging() {
     let filter = tracing_subscriber::EnvFilter::try_from_env("RADAR_LOG")
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
-    let _ = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).try_init();
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_ansi(std::io::stderr().is_terminal())
+        .with_writer(std::io::stderr)
+        .try_init();
 }
 
 static SIGNALS: AtomicU32 = AtomicU32::new(0);

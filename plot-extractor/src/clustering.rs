@@ -125,7 +125,7 @@ impl Clustering {
     /// Takes the hits of `dwell` (a number that counts on over scans), by ascending cell,
     /// with the powers of its cells and of the cells of the dwell before. Appends clusters that can grow no more.
     pub fn add(&mut self, dwell: u64, hits: &[Hit], powers: &[f32], powers_before: &[f32], closed: &mut Vec<Cluster>) {
-        let follows = self.last_dwell.is_some_and(|last| last + 1 == dwell);
+        let follows = self.last_dwell.is_some_and(|last| dwell.checked_sub(1) == Some(last));
         self.last_dwell = Some(dwell);
         if !follows {
             self.close_all(closed);

@@ -143,7 +143,9 @@ impl PlotExtractor {
     /// Where dwells are missing or the stream goes back, no cluster can grow any more; its
     /// place in time follows from the dwell before the gap.
     fn end_clusters_before_gap(&mut self, header: &DwellHeader) {
-        let Some(previous) = self.previous.filter(|previous| previous.seq + 1 != header.seq) else { return };
+        let Some(previous) = self.previous.filter(|previous| header.seq != previous.seq.saturating_add(1)) else {
+            return;
+        };
         if let Some(stages) = &mut self.stages {
             stages.clustering.close_all(&mut self.closed);
             self.plots.extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &previous, &self.radar)));

@@ -10,7 +10,7 @@ use crate::health::Intake;
 pub fn count_intake(intake: &mut Intake, last_session: &mut u64, session: u64, seq: u64) -> u64 {
     let first = intake.received == 0;
     intake.received += 1;
-    let expected = intake.last_seq + 1;
+    let expected = intake.last_seq.saturating_add(1);
     let missing = if first { 0 } else { seq.saturating_sub(expected) };
     if !first && *last_session != session {
         intake.restarts += 1;
