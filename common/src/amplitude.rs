@@ -18,6 +18,10 @@
 //! the tails. Derivation: `docs/theory/amplitude.md`.
 
 use crate::config::Swerling;
+use crate::units::from_db;
+
+/// Signal-to-noise ratios over which an unknown one is averaged.
+const SNR_POINTS: usize = 5;
 
 /// Largest likelihood ratio returned: beyond, only the sign of the evidence matters, and
 /// products with a Gaussian density stay finite.
@@ -77,7 +81,23 @@ impl Detector {
 
     /// The same detector before a target of mean signal-to-noise ratio `snr` (power ratio ≥ 0).
     pub fn target(&self, swerling: Swerling, snr: f64) -> TargetStatistics {
-        let mut target = TargetStatistics { detector: *self, swerling, snr, detection_probability: 1.0, ln_scale: 0.0 };
+        self.target_of(swerling, [snr; SNR_POINTS], 1)
+    }
+
+    /// The same before a target whose signal-to-noise ratio is only known to lie within `spread_db` of `snr_db`: densities and D
+    /// are averaged over the interval, every decibel alike (T20.5).
+    pub fn target_within(&self, swerling: Swerling, snr_db: f64, spread_db: f64) -> TargetStatistics {
+        if spread_db <= 0.0 {
+            return self.target(swerling, from_db(snr_db));
+        }
+        let step_db = 2.0 * spread_db / SNR_POINTS as f64;
+        let first_db = snr_db - spread_db + 0.5 * step_db;
+        self.target_of(swerling, std::array::from_fn(|k| from_db(first_db + step_db * k as f64)), SNR_POINTS)
+    }
+
+    fn target_of(&self, swerling: Swerling, snr: [f64; SNR_POINTS], points: usize) -> TargetStatistics {
+        let mut target =
+            TargetStatistics { detector: *self, swerling, snr, points, detection_probability: 1.0, ln_scale: 0.0 };
         target.detection_probability = target.survival(self.threshold).clamp(f64::MIN_POSITIVE, 1.0);
         target.ln_scale = self.pfa.ln() - target.detection_probability.ln();
         target
@@ -127,7 +147,9 @@ impl Tail {
 pub struct TargetStatistics {
     detector: Detector,
     swerling: Swerling,
-    snr: f64,
+    /// S; the first `points` of them count, equally.
+    snr: [f64; SNR_POINTS],
+    points: usize,
     /// D, probability that the target is detected.
     pub detection_probability: f64,
     /// ln(F/D).
@@ -135,13 +157,23 @@ pub struct TargetStatistics {
 }
 
 impl TargetStatistics {
+    /// The detector before which the target stands.
+    pub fn detector(&self) -> &Detector {
+        &self.detector
+    }
+
     /// P_S(q > t).
     pub fn survival(&self, t: f64) -> f64 {
+        let points = &self.snr[..self.points];
+        points.iter().map(|&snr| self.survival_at(t, snr)).sum::<f64>() / self.points as f64
+    }
+
+    fn survival_at(&self, t: f64, snr: f64) -> f64 {
         match self.swerling {
-            Swerling::Zero => self.steady_survival(t),
-            Swerling::One => self.detector.gamma_1(t, 1.0 + self.snr).survival(),
+            Swerling::Zero => self.steady_survival(t, snr),
+            Swerling::One => self.detector.gamma_1(t, 1.0 + snr).survival(),
             Swerling::Three => {
-                let a = 0.5 * self.snr;
+                let a = 0.5 * snr;
                 let one = self.detector.gamma_1(t, 1.0 + a).survival();
                 let two = self.detector.gamma_2(t, 1.0 + a).survival();
                 (one + a * two) / (1.0 + a)
@@ -156,15 +188,26 @@ impl TargetStatistics {
 
     /// ln ℓ(q), ℓ = f_S/f_N without thresholds.
     pub fn ln_ratio(&self, q: f64) -> f64 {
-        let noise = self.detector.gamma_1(q, 1.0).ln_density;
+        if self.points == 1 {
+            return self.ln_ratio_at(q, self.snr[0]);
+        }
+        let ratios = self.snr.map(|snr| self.ln_ratio_at(q, snr));
+        let largest = ratios.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mean = ratios.iter().map(|ratio| (ratio - largest).exp()).sum::<f64>() / SNR_POINTS as f64;
+        largest + mean.ln()
+    }
+
+    fn ln_ratio_at(&self, q: f64, snr: f64) -> f64 {
         match self.swerling {
-            Swerling::Zero => self.steady_ln_ratio(q),
-            Swerling::One => self.detector.gamma_1(q, 1.0 + self.snr).ln_density - noise,
+            Swerling::Zero => self.steady_ln_ratio(q, snr),
+            Swerling::One if self.detector.reference_cells == 0 => q * snr / (1.0 + snr) - snr.ln_1p(),
+            Swerling::One => self.detector.gamma_1(q, 1.0 + snr).ln_density - self.detector.gamma_1(q, 1.0).ln_density,
             Swerling::Three => {
-                let a = 0.5 * self.snr;
+                let a = 0.5 * snr;
                 let one = self.detector.gamma_1(q, 1.0 + a).ln_density;
                 let two = self.detector.gamma_2(q, 1.0 + a).ln_density + a.ln();
                 let larger = one.max(two);
+                let noise = self.detector.gamma_1(q, 1.0).ln_density;
                 larger + ((one - larger).exp() + (two - larger).exp()).ln() - a.ln_1p() - noise
             }
         }
@@ -197,17 +240,17 @@ impl TargetStatistics {
     /// Swerling 0: D = Σ_k Poisson(k; S) P(I ≤ k), where I counts the noise events before the
     /// threshold: Poisson of mean t for known noise, negative binomial for CA-CFAR (the
     /// identity between gamma or beta tails and counts). All terms are positive.
-    fn steady_survival(&self, t: f64) -> f64 {
+    fn steady_survival(&self, t: f64, snr: f64) -> f64 {
         let n = f64::from(self.detector.reference_cells);
         let known = self.detector.reference_cells == 0;
         let x = t / (n + t);
         let mut event = self.detector.gamma_1(t, 1.0).survival(); // P(I = 0)
         let mut at_most = event;
         let (mut sum, mut poisson_sum) = (0.0, 0.0);
-        let end = self.snr + 12.0 * self.snr.sqrt() + 40.0;
+        let end = snr + 12.0 * snr.sqrt() + 40.0;
         let mut k = 0.0;
         while k <= end {
-            let poisson = ln_poisson(k, self.snr).exp();
+            let poisson = ln_poisson(k, snr).exp();
             sum += poisson * at_most;
             poisson_sum += poisson;
             k += 1.0;
@@ -223,24 +266,23 @@ impl TargetStatistics {
 
     /// Swerling 0: ℓ = Σ_k T_k with T_k = Poisson(k; S) · q^k/k! for known noise and
     /// Poisson(k; S) · x^k C(N+k, k), x = q/(N+q), for CA-CFAR; summed outwards from the largest term.
-    fn steady_ln_ratio(&self, q: f64) -> f64 {
+    fn steady_ln_ratio(&self, q: f64, snr: f64) -> f64 {
         let n = f64::from(self.detector.reference_cells);
         let known = self.detector.reference_cells == 0;
         let x = q / (n + q);
         let step = |k: f64| {
             // T_(k+1) / T_k
-            let growth = if known { self.snr * q } else { self.snr * x * (n + k + 1.0) };
+            let growth = if known { snr * q } else { snr * x * (n + k + 1.0) };
             growth / ((k + 1.0) * (k + 1.0))
         };
-        let rate = self.snr * x;
-        let peak =
-            if known { (self.snr * q).sqrt() } else { 0.5 * (rate + (rate * rate + 4.0 * rate * n).sqrt()) }.floor();
+        let rate = snr * x;
+        let peak = if known { (snr * q).sqrt() } else { 0.5 * (rate + (rate * rate + 4.0 * rate * n).sqrt()) }.floor();
         let ln_peak = if peak == 0.0 {
-            -self.snr
+            -snr
         } else if known {
-            ln_poisson(peak, self.snr) + peak * q.ln() - ln_factorial(peak)
+            ln_poisson(peak, snr) + peak * q.ln() - ln_factorial(peak)
         } else {
-            ln_poisson(peak, self.snr) + peak * x.ln() + ln_factorial(n + peak) - ln_factorial(n) - ln_factorial(peak)
+            ln_poisson(peak, snr) + peak * x.ln() + ln_factorial(n + peak) - ln_factorial(n) - ln_factorial(peak)
         };
         let (mut sum, mut term, mut k) = (1.0, 1.0, peak);
         while term > 1e-18 * sum {
@@ -273,7 +315,6 @@ fn ln_factorial(k: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::from_db;
     use approx::assert_relative_eq;
     use proptest::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Which plot is the track's: weights of the plots in the gate (T10), (T12), (T13), (T15).
+//! Which plot is the track's: weights of the plots in the gate (T10), (T12), (T13), (T15), (T20).
 //!
 //! ```text
 //! e_jm = N(y_m; h(u*_j), D_j)
@@ -7,10 +7,14 @@
 //! M = 0:  L_j = 1 − D P_Gj                                                                 (T15)
 //! ```
 //!
+//! (T20) is the rule `union` of all modes with parametric clutter: with λ/ρ_c = ℓ/(D ρ₀) the weights are those of
+//! b_j = 1 − D P_G, e_jm ℓ(q_m)/ρ₀(p_m). In a gate that holds too many false plots only the stronger ones are looked at, and D
+//! in b_j is the probability of exceeding that threshold.
+//!
 //! Clutter that varies over the gate enters by λ_m: it is multiplied by ρ_c over the density at the
 //! plot. Nearest and strongest neighbour are the same with one candidate, λ = 1 and b = 0.
 
-use common::amplitude::TargetStatistics;
+use common::amplitude::{TargetStatistics, ca_cfar_factor};
 use common::config::{Association, Clutter, GateRule, TrackerConfig};
 use common::tracks::{GATE_MANOEUVRE, GATE_MANOEUVRE_FALLBACK, GATE_MOST_PROBABLE, GATE_NONE, GATE_UNION};
 
@@ -26,8 +30,10 @@ pub struct Rules {
     pub gate_rule: GateRule,
     /// α of (T9).
     pub alpha: f64,
-    /// W*_j above which a mode's gate belongs to the union.
+    /// W*_j above which a mode's gate belongs to the union; 0 takes in all.
     pub union_probability: f64,
+    /// C of (T20.2): false plots expected in the gate at most; 0 for no limit.
+    pub gate_false_plots: f64,
     /// Whether P_G is taken for each mode in the gate used (T13).
     pub gate_probability_by_mode: bool,
     /// P_G instead of erf(α/√2)ⁿ, without (T13).
@@ -46,7 +52,8 @@ impl Rules {
         Self {
             gate_rule: config.gate_rule,
             alpha: config.gate_alpha,
-            union_probability: UNION_PROBABILITY,
+            union_probability: config.gate_union_probability,
+            gate_false_plots: config.gate_false_plots,
             gate_probability_by_mode: config.gate_probability_by_mode,
             gate_probability: None,
             association: config.association,
@@ -55,9 +62,6 @@ impl Rules {
         }
     }
 }
-
-/// W*_j above which a mode's gate belongs to the union.
-const UNION_PROBABILITY: f64 = 0.02;
 
 /// A plot in the gate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,6 +91,10 @@ pub struct Selection {
     pub volume: f64,
     /// P_Gj by mode.
     pub probability: [f64; MODES],
+    /// Plots below this power were not looked at (T20.2); 0 without such a limit.
+    pub threshold: f64,
+    /// D: probability that the target's plot exceeds it.
+    pub detection_probability: f64,
 }
 
 /// What a track knows of the target's amplitude and of its surroundings.
@@ -104,6 +112,30 @@ pub struct Surroundings<'a, F> {
     pub clutter: F,
 }
 
+impl<F> Surroundings<'_, F> {
+    /// t of (T20.2): 0, or the power that at most `most` of `cells` cells of noise exceed.
+    ///
+    /// ```text
+    /// t:  P_N(q > t) = C/U  where U F > C
+    /// ```
+    fn scan_threshold(&self, cells: f64, most: f64) -> f64 {
+        match self.target.map(TargetStatistics::detector) {
+            Some(detector) if most > 0.0 && cells * detector.pfa > most => {
+                ca_cfar_factor(detector.reference_cells, most / cells)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// D for plots of at least `threshold`.
+    fn detection_probability_above(&self, threshold: f64) -> f64 {
+        match self.target {
+            Some(target) if threshold > 0.0 => self.detection_probability.min(target.survival(threshold)),
+            _ => self.detection_probability,
+        }
+    }
+}
+
 /// False plots to be expected at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FalsePlots {
@@ -114,77 +146,72 @@ pub struct FalsePlots {
 }
 
 /// Fills `candidates` with the plots in the gate that the rule names (T10). `time_ns` is that of the prediction.
-pub fn select(
+pub fn select<F>(
     prediction: &Imm,
     expected: &[Expected; MODES],
     time_ns: u64,
     plots: &[Measurement],
-    radar: &Radar,
+    surroundings: &Surroundings<'_, F>,
     rules: &Rules,
     candidates: &mut Vec<Candidate>,
 ) -> Selection {
+    let radar = surroundings.radar;
     let gates: [Gate; MODES] = std::array::from_fn(|j| Gate::new(&expected[j], radar, rules.alpha));
     let first = prediction.most_probable();
-    candidates.clear();
-    let (gate_code, mode) = match rules.gate_rule {
-        GateRule::MostProbable => {
-            search(&gates, expected, &[first], time_ns, plots, candidates);
-            if candidates.is_empty() && first != MANOEUVRE {
-                search(&gates, expected, &[MANOEUVRE], time_ns, plots, candidates);
-                (GATE_MANOEUVRE_FALLBACK, MANOEUVRE)
-            } else {
-                (GATE_MOST_PROBABLE, first)
+    let joined: [bool; MODES] =
+        std::array::from_fn(|j| j == first || prediction.probability[j] >= rules.union_probability);
+    let mut search = |searched: [bool; MODES]| {
+        let mut mode = first;
+        for j in (0..MODES).filter(|&j| searched[j]) {
+            if !searched[mode] || gates[j].volume(radar) > gates[mode].volume(radar) {
+                mode = j;
             }
         }
-        GateRule::Manoeuvre => {
-            search(&gates, expected, &[MANOEUVRE], time_ns, plots, candidates);
-            (GATE_MANOEUVRE, MANOEUVRE)
-        }
-        GateRule::Union => {
-            let mut joined = [first; MODES];
-            let mut largest = first;
-            for j in 0..MODES {
-                if prediction.probability[j] > rules.union_probability {
-                    joined[j] = j;
-                    if gates[j].volume(radar) > gates[largest].volume(radar) {
-                        largest = j;
-                    }
-                }
-            }
-            search(&gates, expected, &joined, time_ns, plots, candidates);
-            (GATE_UNION, largest)
-        }
+        let threshold = surroundings.scan_threshold(gates[mode].cells(radar), rules.gate_false_plots);
+        candidates.clear();
+        append(&gates, expected, searched, threshold, time_ns, plots, candidates);
+        (mode, threshold, !candidates.is_empty())
+    };
+    let only = |mode: usize| std::array::from_fn(|j| j == mode);
+    let (gate_code, (mode, threshold, found)) = match rules.gate_rule {
+        GateRule::MostProbable => match search(only(first)) {
+            (.., false) if first != MANOEUVRE => (GATE_MANOEUVRE_FALLBACK, search(only(MANOEUVRE))),
+            result => (GATE_MOST_PROBABLE, result),
+        },
+        GateRule::Manoeuvre => (GATE_MANOEUVRE, search(only(MANOEUVRE))),
+        GateRule::Union => (GATE_UNION, search(joined)),
     };
     let gate = gates[mode];
     let own = rules.gate_probability.unwrap_or_else(|| gate::own_probability(rules.alpha, radar.dimensions()));
-    let in_union = |j: usize| {
-        rules.gate_rule == GateRule::Union && (j == first || prediction.probability[j] > rules.union_probability)
-    };
-    let probability = std::array::from_fn(|j| {
-        if !rules.gate_probability_by_mode || in_union(j) { own } else { gate.probability(&expected[j], radar) }
-    });
+    let by_mode = |j: usize| rules.gate_probability_by_mode && !(rules.gate_rule == GateRule::Union && joined[j]);
     Selection {
-        gate_code: if candidates.is_empty() { GATE_NONE } else { gate_code },
+        gate_code: if found { gate_code } else { GATE_NONE },
         gate,
         mode,
         volume: gate.volume(radar),
-        probability,
+        probability: std::array::from_fn(|j| if by_mode(j) { gate.probability(&expected[j], radar) } else { own }),
+        threshold,
+        detection_probability: surroundings.detection_probability_above(threshold),
     }
 }
 
-/// Appends the plots in any of the gates of `modes`; the distance is to the nearest of them.
-fn search(
+/// Appends the plots of at least `threshold` in any of the gates that are `searched`; the distance is to the nearest of them.
+fn append(
     gates: &[Gate; MODES],
     expected: &[Expected; MODES],
-    modes: &[usize],
+    searched: [bool; MODES],
+    threshold: f64,
     time_ns: u64,
     plots: &[Measurement],
     candidates: &mut Vec<Candidate>,
 ) {
     for (plot, measurement) in plots.iter().enumerate() {
+        if measurement.has_power && measurement.power < threshold {
+            continue;
+        }
         let offset_s = common::units::seconds_between(time_ns, measurement.time_ns);
         let mut distance = f64::INFINITY;
-        for &mode in modes {
+        for mode in (0..MODES).filter(|&mode| searched[mode]) {
             let offset = gates[mode].offset(measurement, &expected[mode].drift(offset_s));
             if gates[mode].holds(&offset, measurement) {
                 distance = distance.min(gates[mode].distance(&offset, measurement));

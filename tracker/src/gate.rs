@@ -93,6 +93,11 @@ impl Gate {
         radar.volume(|i| 2.0 * self.half[i], self.centre[0], self.centre[2].cos())
     }
 
+    /// U of (T20): resolution cells in the gate.
+    pub fn cells(&self, radar: &Radar) -> f64 {
+        (0..COORDINATES).filter(|&i| radar.measured[i]).map(|i| 2.0 * self.half[i] / radar.cell[i]).product()
+    }
+
     /// Probability that a target of the mode that expects `expected` falls into this gate (T13).
     pub fn probability(&self, expected: &Expected, radar: &Radar) -> f64 {
         let centre = expected.polar();

@@ -18,6 +18,7 @@
 
 #![expect(clippy::needless_range_loop, reason = "one index into several arrays reads like the formula")]
 
+pub mod amplitude;
 pub mod association;
 pub mod clutter_map;
 pub mod gate;

@@ -7,11 +7,11 @@ use common::config::TrackerConfig;
 use common::plots::PlotsHeader;
 use common::units::from_db;
 
+use crate::amplitude::Amplitude;
 use crate::clutter_map::ClutterMap;
 use crate::gate::Radar;
 use crate::initiation::Reach;
 use crate::joint::Rival;
-use crate::life::Amplitude;
 use crate::measurement::Measurement;
 use crate::track::{Kinematics, LiveTrack, Passage};
 

@@ -7,9 +7,10 @@ use common::config::TrackerConfig;
 use common::tracks::{GATE_NONE, Track};
 use common::units::seconds_between;
 
+use crate::amplitude::Amplitude;
 use crate::gate::{Gate, Radar};
 use crate::imm::{Imm, transition};
-use crate::life::{Amplitude, Life};
+use crate::life::Life;
 use crate::measurement::{COORDINATES, Expected, Measurement};
 use crate::motion::{MODES, Motion};
 use crate::plot_store::Entry;

@@ -19,10 +19,11 @@ use common::plots::{Plot, PlotsHeader};
 use common::tracks::{TERMINATED, Track};
 use common::units::seconds_between;
 
+use crate::amplitude::Amplitude;
 use crate::association::{Rules, Surroundings};
 use crate::initiation::Reach;
 use crate::joint::{add_rival, rivals_of};
-use crate::life::{Amplitude, Life};
+use crate::life::Life;
 use crate::measurement::{COORDINATES, LineOfSight, Measurement};
 use crate::motion::{MANOEUVRE, MODES};
 use crate::plot_store::{Entry, PlotStore};

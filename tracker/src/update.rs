@@ -71,12 +71,12 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
 ) -> Outcome {
     let expected: [Expected; MODES] = std::array::from_fn(|j| Expected::new(j, &prediction.modes[j]));
     let Workspace { candidates, weights } = workspace;
-    let selection = select(prediction, &expected, time_ns, plots, surroundings.radar, rules, candidates);
+    let selection = select(prediction, &expected, time_ns, plots, surroundings, rules, candidates);
     let plots_in_gate = candidates.len();
     let density = weigh(&selection, surroundings, plots, rules, candidates);
     let hard = matches!(rules.association, Association::Nearest | Association::Strongest);
     let d = surroundings.detection_probability;
-    let missed = selection.probability.map(|p_g| 1.0 - d * p_g);
+    let missed = selection.probability.map(|p_g| 1.0 - selection.detection_probability * p_g);
 
     let mut posterior = *prediction;
     weights.clear();

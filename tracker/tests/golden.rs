@@ -304,6 +304,7 @@ fn rules(cfg: &Value, method: &Value) -> Rules {
         gate_rule,
         alpha: number(&cfg["alpha"]),
         union_probability: 0.0,
+        gate_false_plots: 0.0,
         gate_probability_by_mode: cfg["pg_model"] == true,
         gate_probability: cfg["pg_const"].as_f64(),
         association: match method.as_str() {

@@ -13,7 +13,7 @@ pub enum GateRule {
     MostProbable,
     /// Always the manoeuvre mode's.
     Manoeuvre,
-    /// Those of all modes of some probability together.
+    /// Those of all modes of some probability together; with probability 0 of all modes (T20.3).
     Union,
 }
 
@@ -63,8 +63,12 @@ pub struct TrackerConfig {
     pub manoeuvre_noise_mps3: f64,
     /// Probability that a target stays in its mode for 1 s.
     pub stay_probability: f64,
-    /// `most-probable` (else manoeuvre, the brief's rule), `manoeuvre` or `union` (T10).
+    /// `most-probable` (else manoeuvre, the source's rule), `manoeuvre` or `union` (T10).
     pub gate_rule: GateRule,
+    /// For `union`: the gates of modes above this probability; 0 searches all three (T20.3).
+    pub gate_union_probability: f64,
+    /// False plots expected in the gate at most: in a larger gate only stronger plots are looked at (T20.2); 0 for no limit.
+    pub gate_false_plots: f64,
     /// α: half width of gates in standard deviations (T9).
     pub gate_alpha: f64,
     /// P_G of each mode in the gate in use (T13), or one for all.
@@ -85,6 +89,8 @@ pub struct TrackerConfig {
     pub swerling: Swerling,
     /// Signal-to-noise ratio expected of a new target, dB.
     pub snr_db: f64,
+    /// How far the true ratio may lie from what is known of it, dB: statistics are averaged over that interval (T20.5).
+    pub snr_spread_db: f64,
     /// Scans that the expectation counts for against a track's own statistics (T19); 0 never learns.
     pub snr_prior_scans: f64,
     /// Probability of detection where plots have no statistic, and its limit where they have.
@@ -120,8 +126,10 @@ impl Default for TrackerConfig {
             velocity_noise_mps2: 1.0,
             manoeuvre_noise_mps3: 7.0,
             stay_probability: 0.9,
-            gate_rule: GateRule::MostProbable,
-            gate_alpha: 3.5,
+            gate_rule: GateRule::Union,
+            gate_union_probability: 0.0,
+            gate_false_plots: 100.0,
+            gate_alpha: 3.0,
             gate_probability_by_mode: true,
             range_rate_inflation: 0.0,
             association: Association::PdaStatistics,
@@ -131,6 +139,7 @@ impl Default for TrackerConfig {
             clutter_map_scans: 30,
             swerling: Swerling::One,
             snr_db: 16.0,
+            snr_spread_db: 6.0,
             snr_prior_scans: 3.0,
             detection_probability: 0.95,
             start_speed_mps: 60.0,
@@ -161,11 +170,16 @@ impl TrackerConfig {
         require("tracker.stay_probability", stay, stay > 0.34 && stay < 1.0, "a number above 0.34, below 1")?;
         let alpha = self.gate_alpha;
         require("tracker.gate_alpha", alpha, (1.0..=10.0).contains(&alpha), "a number from 1 to 10")?;
+        let union = self.gate_union_probability;
+        require("tracker.gate_union_probability", union, (0.0..1.0).contains(&union), "a number from 0, below 1")?;
+        not_negative("tracker.gate_false_plots", self.gate_false_plots)?;
         not_negative("tracker.range_rate_inflation", self.range_rate_inflation)?;
         probability("tracker.clutter_floor", self.clutter_floor)?;
         within("tracker.clutter_map_scans", self.clutter_map_scans.into(), 0..=100_000)?;
         let snr = self.snr_db;
         require("tracker.snr_db", snr, (0.0..=60.0).contains(&snr), "a number from 0 to 60")?;
+        let spread = self.snr_spread_db;
+        require("tracker.snr_spread_db", spread, (0.0..=30.0).contains(&spread), "a number from 0 to 30")?;
         not_negative("tracker.snr_prior_scans", self.snr_prior_scans)?;
         probability("tracker.detection_probability", self.detection_probability)?;
         positive("tracker.start_speed_mps", self.start_speed_mps)?;

@@ -1,0 +1,111 @@
+//! What is known of a target's signal-to-noise ratio (T19), (T20.5).
+//!
+//! ```text
+//! Ŝ(r) = r⁻⁴ · mean of r_m⁴ (q_m − t₀ − 1) over the track's own plots                (T19)
+//! ```
+//!
+//! This holds because the part of an exponential power above a threshold has the same mean as the whole, and because power
+//! falls with the fourth power of the range; a prior counts for some scans, old plots are forgotten. Statistics are averaged
+//! over an interval about Ŝ (T20.5).
+
+use common::amplitude::{Detector, TargetStatistics};
+use common::config::TrackerConfig;
+use common::units::{from_db, to_db};
+
+/// Share of older plots that is kept per plot in the estimate of amplitude.
+const FORGETTING: f64 = 0.95;
+/// Range of the estimated signal-to-noise ratio, dB.
+const SNR_RANGE_DB: (f64, f64) = (3.0, 40.0);
+/// The statistics are renewed when the estimate has moved this far, dB.
+const SNR_STEP_DB: f64 = 0.25;
+
+/// What is known of a target's amplitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Amplitude {
+    /// Σ weight · (q − t₀ − 1) (r/km)⁴, prior included.
+    power: f64,
+    /// Σ weight, prior included.
+    scans: f64,
+    statistics: TargetStatistics,
+    snr_db: f64,
+}
+
+impl Amplitude {
+    /// Before any plot, at a range.
+    pub fn prior(range_m: f64, config: &TrackerConfig, detector: &Detector) -> Self {
+        let scans = config.snr_prior_scans;
+        Self {
+            power: scans * from_db(config.snr_db) * spreading(range_m),
+            scans,
+            statistics: detector.target_within(config.swerling, config.snr_db, config.snr_spread_db),
+            snr_db: config.snr_db,
+        }
+    }
+
+    /// A plot of power `q` that is the target's with probability `weight` (T19).
+    pub fn learn(&mut self, q: f64, weight: f64, range_m: f64, detector: &Detector) {
+        let keep = 1.0 - (1.0 - FORGETTING) * weight;
+        self.power = keep * self.power + weight * (q - detector.threshold - 1.0) * spreading(range_m);
+        self.scans = keep * self.scans + weight;
+    }
+
+    /// Renews D and λ for a target now at `range_m`.
+    pub fn look(&mut self, range_m: f64, config: &TrackerConfig, detector: &Detector) {
+        if config.snr_prior_scans <= 0.0 {
+            return;
+        }
+        let snr = self.power / self.scans / spreading(range_m);
+        let snr_db = to_db(snr.max(1e-3)).clamp(SNR_RANGE_DB.0, SNR_RANGE_DB.1);
+        if (snr_db - self.snr_db).abs() > SNR_STEP_DB {
+            self.snr_db = snr_db;
+            self.statistics = detector.target_within(config.swerling, snr_db, config.snr_spread_db);
+        }
+    }
+
+    /// Ŝ, dB.
+    pub fn snr_db(&self) -> f64 {
+        self.snr_db
+    }
+
+    /// D and λ of the estimate.
+    pub fn statistics(&self) -> &TargetStatistics {
+        &self.statistics
+    }
+}
+
+/// (r/km)⁴; nearer than 10 m nothing changes any more.
+fn spreading(range_m: f64) -> f64 {
+    (range_m.max(10.0) / 1000.0).powi(4)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::config::Swerling;
+    use common::random::{Purpose, generator};
+    use rand_distr::{Distribution, Exp};
+
+    #[test]
+    fn the_mean_excess_finds_the_signal_to_noise_ratio() {
+        let config = TrackerConfig { snr_db: 12.0, ..TrackerConfig::default() };
+        let detector = Detector::new(1e-6, 0);
+        let mut amplitude = Amplitude::prior(1000.0, &config, &detector);
+        let mut rng = generator(3, Purpose::Test, 0, 0);
+        let power = Exp::new(1.0 / (1.0 + from_db(20.0))).expect("positive");
+        let mut mean = 0.0;
+        for scan in 0..2000 {
+            let q = power.sample(&mut rng);
+            if q > detector.threshold {
+                amplitude.learn(q, 1.0, 1000.0, &detector);
+            }
+            amplitude.look(1000.0, &config, &detector);
+            if scan >= 1000 {
+                mean += amplitude.snr_db() / 1000.0;
+            }
+        }
+        assert!((mean - 20.0).abs() < 0.7, "{mean}");
+        amplitude.look(2000.0, &config, &detector);
+        assert!((amplitude.snr_db() - (20.0 - 12.04)).abs() < 2.5, "{}", amplitude.snr_db());
+        assert_eq!(config.swerling, Swerling::One);
+    }
+}
