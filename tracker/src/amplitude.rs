@@ -1,12 +1,12 @@
 //! What is known of a target's signal-to-noise ratio (T19), (T20.5).
 //!
 //! ```text
-//! Ŝ(r) = r⁻⁴ · mean of r_m⁴ (q_m − t₀ − 1) over the track's own plots                (T19)
+//! Ŝ = mean of q_m − t₀ − 1 over the track's own plots                               (T19)
 //! ```
 //!
-//! This holds because the part of an exponential power above a threshold has the same mean as the whole, and because power
-//! falls with the fourth power of the range; a prior counts for some scans, old plots are forgotten. Statistics are averaged
-//! over an interval about Ŝ (T20.5).
+//! This holds because the part of an exponential power above a threshold has the same mean as the whole. A prior counts for some
+//! scans, and old plots are forgotten faster than a target's range and aspect change its power. Statistics are averaged over an
+//! interval about Ŝ (T20.5).
 
 use common::amplitude::{Detector, TargetStatistics};
 use common::config::TrackerConfig;
@@ -22,7 +22,7 @@ const SNR_STEP_DB: f64 = 0.25;
 /// What is known of a target's amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Amplitude {
-    /// Σ weight · (q − t₀ − 1) (r/km)⁴, prior included.
+    /// Σ weight · (q − t₀ − 1), prior included.
     power: f64,
     /// Σ weight, prior included.
     scans: f64,
@@ -31,11 +31,11 @@ pub struct Amplitude {
 }
 
 impl Amplitude {
-    /// Before any plot, at a range.
-    pub fn prior(range_m: f64, config: &TrackerConfig, detector: &Detector) -> Self {
+    /// Before any plot.
+    pub fn prior(config: &TrackerConfig, detector: &Detector) -> Self {
         let scans = config.snr_prior_scans;
         Self {
-            power: scans * from_db(config.snr_db) * spreading(range_m),
+            power: scans * from_db(config.snr_db),
             scans,
             statistics: detector.target_within(config.swerling, config.snr_db, config.snr_spread_db),
             snr_db: config.snr_db,
@@ -43,18 +43,18 @@ impl Amplitude {
     }
 
     /// A plot of power `q` that is the target's with probability `weight` (T19).
-    pub fn learn(&mut self, q: f64, weight: f64, range_m: f64, detector: &Detector) {
+    pub fn learn(&mut self, q: f64, weight: f64, detector: &Detector) {
         let keep = 1.0 - (1.0 - FORGETTING) * weight;
-        self.power = keep * self.power + weight * (q - detector.threshold - 1.0) * spreading(range_m);
+        self.power = keep * self.power + weight * (q - detector.threshold - 1.0);
         self.scans = keep * self.scans + weight;
     }
 
-    /// Renews D and λ for a target now at `range_m`.
-    pub fn look(&mut self, range_m: f64, config: &TrackerConfig, detector: &Detector) {
+    /// Renews D and λ.
+    pub fn look(&mut self, config: &TrackerConfig, detector: &Detector) {
         if config.snr_prior_scans <= 0.0 {
             return;
         }
-        let snr = self.power / self.scans / spreading(range_m);
+        let snr = self.power / self.scans;
         let snr_db = to_db(snr.max(1e-3)).clamp(SNR_RANGE_DB.0, SNR_RANGE_DB.1);
         if (snr_db - self.snr_db).abs() > SNR_STEP_DB {
             self.snr_db = snr_db;
@@ -73,11 +73,6 @@ impl Amplitude {
     }
 }
 
-/// (r/km)⁴; nearer than 10 m nothing changes any more.
-fn spreading(range_m: f64) -> f64 {
-    (range_m.max(10.0) / 1000.0).powi(4)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -89,23 +84,21 @@ mod tests {
     fn the_mean_excess_finds_the_signal_to_noise_ratio() {
         let config = TrackerConfig { snr_db: 12.0, ..TrackerConfig::default() };
         let detector = Detector::new(1e-6, 0);
-        let mut amplitude = Amplitude::prior(1000.0, &config, &detector);
+        let mut amplitude = Amplitude::prior(&config, &detector);
         let mut rng = generator(3, Purpose::Test, 0, 0);
         let power = Exp::new(1.0 / (1.0 + from_db(20.0))).expect("positive");
         let mut mean = 0.0;
         for scan in 0..2000 {
             let q = power.sample(&mut rng);
             if q > detector.threshold {
-                amplitude.learn(q, 1.0, 1000.0, &detector);
+                amplitude.learn(q, 1.0, &detector);
             }
-            amplitude.look(1000.0, &config, &detector);
+            amplitude.look(&config, &detector);
             if scan >= 1000 {
                 mean += amplitude.snr_db() / 1000.0;
             }
         }
         assert!((mean - 20.0).abs() < 0.7, "{mean}");
-        amplitude.look(2000.0, &config, &detector);
-        assert!((amplitude.snr_db() - (20.0 - 12.04)).abs() < 2.5, "{}", amplitude.snr_db());
         assert_eq!(config.swerling, Swerling::One);
     }
 }

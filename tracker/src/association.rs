@@ -118,7 +118,7 @@ impl<F> Surroundings<'_, F> {
     /// ```text
     /// t:  P_N(q > t) = C/U  where U F > C
     /// ```
-    fn scan_threshold(&self, cells: f64, most: f64) -> f64 {
+    pub fn scan_threshold(&self, cells: f64, most: f64) -> f64 {
         match self.target.map(TargetStatistics::detector) {
             Some(detector) if most > 0.0 && cells * detector.pfa > most => {
                 ca_cfar_factor(detector.reference_cells, most / cells)
@@ -133,6 +133,20 @@ impl<F> Surroundings<'_, F> {
             Some(target) if threshold > 0.0 => self.detection_probability.min(target.survival(threshold)),
             _ => self.detection_probability,
         }
+    }
+}
+
+impl<F: Fn(&[f64; COORDINATES]) -> FalsePlots> Surroundings<'_, F> {
+    /// ℓ(q)/ρ₀ of a plot, m³·m/s: what its density under the target is to be multiplied by to weigh it against noise (T20.4).
+    pub fn ratio_to_noise(&self, plot: &Measurement, rules: &Rules) -> f64 {
+        let here = (self.clutter)(&plot.polar);
+        let ratio = match self.target {
+            Some(target) if rules.association.uses_power() && plot.has_power => {
+                target.likelihood_ratio_in_clutter(plot.power, here.mean_excess)
+            }
+            _ => 1.0,
+        };
+        ratio * self.detection_probability / here.density
     }
 }
 
@@ -244,7 +258,7 @@ pub fn weigh<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
     };
     for candidate in candidates.iter_mut() {
         let plot = &plots[candidate.plot];
-        let with_statistics = rules.association != Association::Pda && plot.has_power;
+        let with_statistics = rules.association.uses_power() && plot.has_power;
         let here = (surroundings.clutter)(&plot.polar);
         let ratio = match surroundings.target {
             Some(target) if with_statistics => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
@@ -257,7 +271,7 @@ pub fn weigh<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
     let better = |a: &Candidate, b: &Candidate| match rules.association {
         Association::Nearest => a.distance < b.distance,
         Association::Strongest => plots[a.plot].power > plots[b.plot].power,
-        Association::PdaStatistics | Association::Pda => false,
+        _ => false,
     };
     if matches!(rules.association, Association::Nearest | Association::Strongest) {
         let mut best = candidates[0];

@@ -22,6 +22,7 @@ pub mod amplitude;
 pub mod association;
 pub mod clutter_map;
 pub mod gate;
+pub mod hypotheses;
 pub mod imm;
 pub mod initiation;
 pub mod joint;

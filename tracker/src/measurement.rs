@@ -346,6 +346,11 @@ impl Likelihood {
         ln_peak.is_finite().then_some(Self { inverse, ln_peak })
     }
 
+    /// ln N(d; 0, D) for y = D⁻¹ d.
+    pub fn ln_density(&self, d: [f64; COORDINATES], y: [f64; COORDINATES]) -> f64 {
+        self.ln_peak - 0.5 * (d[0] * y[0] + d[1] * y[1] + d[2] * y[2] + d[3] * y[3])
+    }
+
     /// D⁻¹ d.
     pub fn solve(&self, d: [f64; COORDINATES]) -> [f64; COORDINATES] {
         let s = &self.inverse;

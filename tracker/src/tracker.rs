@@ -24,8 +24,8 @@ use crate::association::{Rules, Surroundings};
 use crate::initiation::Reach;
 use crate::joint::{add_rival, rivals_of};
 use crate::life::Life;
-use crate::measurement::{COORDINATES, LineOfSight, Measurement};
-use crate::motion::{MANOEUVRE, MODES};
+use crate::measurement::{COORDINATES, Measurement};
+use crate::motion::MODES;
 use crate::plot_store::{Entry, PlotStore};
 use crate::site::{self, Site};
 use crate::start::two_plots;
@@ -224,8 +224,7 @@ impl Tracker {
             track.next = site.kinematics.at(&track.posterior, track.time_ns, beam_ns, angle_rad, &site.radar);
         }
         let passage = track.next;
-        let expected = LineOfSight::at(passage.prediction.modes[MANOEUVRE].position());
-        track.amplitude.look(expected.range_m, config, &site.detector);
+        track.amplitude.look(config, &site.detector);
         let turn = (passage.angle_rad / TAU).max(0.0) as u32;
         let from_rad = (passage.angle_rad - passage.half_width_rad).max(track.searched_to_rad);
         let to_rad = passage.due_rad();
@@ -269,7 +268,7 @@ impl Tracker {
             let weight: f64 = (0..MODES).map(|j| track.posterior.probability[j] * weights[j]).sum();
             let plot = &offered[candidate.plot];
             if plot.has_power {
-                track.amplitude.learn(plot.power, weight, plot.polar[0], &site.detector);
+                track.amplitude.learn(plot.power, weight, &site.detector);
             }
             claims.push((range.start + candidate.plot, weight));
         }
@@ -354,9 +353,9 @@ impl Tracker {
         if !posterior.is_sound() {
             return None;
         }
-        let mut amplitude = Amplitude::prior(last.polar[0], &self.config, &site.detector);
+        let mut amplitude = Amplitude::prior(&self.config, &site.detector);
         for plot in [&previous, last].into_iter().filter(|plot| plot.has_power) {
-            amplitude.learn(plot.power, 1.0, plot.polar[0], &site.detector);
+            amplitude.learn(plot.power, 1.0, &site.detector);
         }
         let id = self.next_id;
         self.next_id += 1;

@@ -142,7 +142,7 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
 }
 
 /// W_j ∝ W*_j L_j (T15); unchanged where no mode explains anything.
-fn reweight(probability: &mut [f64; MODES], ln_likelihood: [f64; MODES]) {
+pub(crate) fn reweight(probability: &mut [f64; MODES], ln_likelihood: [f64; MODES]) {
     let largest = ln_likelihood.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !largest.is_finite() {
         return;
@@ -155,7 +155,7 @@ fn reweight(probability: &mut [f64; MODES], ln_likelihood: [f64; MODES]) {
 }
 
 /// Sums over the candidates of one mode, not yet normalised.
-struct Sums {
+pub(crate) struct Sums {
     /// Σ_m e_m λ_m (1 for a hard decision).
     weight: f64,
     /// The same as if there were no other tracks.
@@ -165,7 +165,7 @@ struct Sums {
     /// Σ_m e_m λ_m (y_m y_mᵀ − D_m⁻¹), packed.
     spread: [f64; PACKED_4],
     /// ln e of the last candidate: the only one of a hard decision.
-    ln_best: f64,
+    pub(crate) ln_best: f64,
 }
 
 impl Sums {
@@ -184,20 +184,9 @@ impl Sums {
             spread: [0.0; PACKED_4],
             ln_best: f64::NEG_INFINITY,
         };
-        let mut factored: Option<(usize, Likelihood)> = None;
-        for (m, candidate) in candidates.iter().enumerate() {
-            let plot = &plots[candidate.plot];
-            let likelihood = match factored {
-                Some((same, likelihood)) if shares_errors(&plots[same], plot) => likelihood,
-                _ => match expected.likelihood(plot, inflation) {
-                    Some(likelihood) => likelihood,
-                    None => continue,
-                },
-            };
-            factored = Some((candidate.plot, likelihood));
-            let d = expected.innovation(plot, candidate.offset_s);
-            let y = likelihood.solve(d);
-            let ln_e = likelihood.ln_peak - 0.5 * (d[0] * y[0] + d[1] * y[1] + d[2] * y[2] + d[3] * y[3]);
+        for_each_density(candidates, plots, expected, inflation, |m, likelihood, d, y| {
+            let candidate = &candidates[m];
+            let ln_e = likelihood.ln_density(d, y);
             let e = ln_e.exp();
             let weight = if hard { 1.0 } else { e * candidate.ratio };
             sums.alone += e * candidate.alone;
@@ -211,12 +200,24 @@ impl Sums {
                     sums.spread[at(a, b)] += scaled * y[a] - weight * likelihood.inverse[at(a, b)];
                 }
             }
-        }
+        });
         sums
     }
 
+    /// The sums of one plot that is the target's for certain: the Kalman update (T8). `d` is its innovation.
+    pub(crate) fn certain(likelihood: &Likelihood, d: [f64; COORDINATES]) -> Self {
+        let y = likelihood.solve(d);
+        let mut spread = [0.0; PACKED_4];
+        for b in 0..COORDINATES {
+            for a in 0..=b {
+                spread[at(a, b)] = y[a] * y[b] - likelihood.inverse[at(a, b)];
+            }
+        }
+        Self { weight: 1.0, alone: 1.0, y, spread, ln_best: likelihood.ln_density(d, y) }
+    }
+
     /// Adds B ȳ to the mean and B M Bᵀ to the covariance of the leading `n` states.
-    fn apply(&self, scale: f64, expected: &Expected, n: usize, state: &mut Gaussian) {
+    pub(crate) fn apply(&self, scale: f64, expected: &Expected, n: usize, state: &mut Gaussian) {
         let y = self.y.map(|sum| sum * scale);
         let mut spread = self.spread;
         for b in 0..COORDINATES {
@@ -235,6 +236,31 @@ impl Sums {
                     other[0] * moved[0] + other[1] * moved[1] + other[2] * moved[2] + other[3] * moved[3];
             }
         }
+    }
+}
+
+/// Calls `take` with the index, D⁻¹, innovation d and D⁻¹ d of every candidate whose D is positive definite. D is factored
+/// once for successive plots of the same errors.
+pub(crate) fn for_each_density(
+    candidates: &[Candidate],
+    plots: &[Measurement],
+    expected: &Expected,
+    inflation: f64,
+    mut take: impl FnMut(usize, &Likelihood, [f64; COORDINATES], [f64; COORDINATES]),
+) {
+    let mut factored: Option<(usize, Likelihood)> = None;
+    for (m, candidate) in candidates.iter().enumerate() {
+        let plot = &plots[candidate.plot];
+        let likelihood = match factored {
+            Some((same, likelihood)) if shares_errors(&plots[same], plot) => likelihood,
+            _ => match expected.likelihood(plot, inflation) {
+                Some(likelihood) => likelihood,
+                None => continue,
+            },
+        };
+        factored = Some((candidate.plot, likelihood));
+        let d = expected.innovation(plot, candidate.offset_s);
+        take(m, &likelihood, d, likelihood.solve(d));
     }
 }
 

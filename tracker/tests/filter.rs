@@ -36,13 +36,15 @@ fn plot(place: Polar, range_rate_mps: f64, sigma_scale: f32, statistic: f32, fla
     }
 }
 
-/// Positive definite on the states that the mode knows.
+/// Positive definite on the states that the mode knows, up to rounding: after a mode that is certain to be at rest, the noise
+/// G Gᵀ of rank one is all there is of velocity and acceleration, so the smallest eigenvalues are zero.
 fn is_positive_definite(imm: &Imm, axes: usize) -> bool {
     (0..MODES).all(|mode| {
         let p = &imm.modes[mode].covariance;
         let known: Vec<usize> = (0..DIMENSIONS[mode]).filter(|i| i % 3 < axes).collect();
         let n = known.len();
-        let matrix = nalgebra::DMatrix::from_fn(n, n, |i, j| p[at(known[i], known[j])]);
+        let matrix =
+            nalgebra::DMatrix::from_fn(n, n, |i, j| p[at(known[i], known[j])] * if i == j { 1.0 + 1e-12 } else { 1.0 });
         matrix.cholesky().is_some()
     })
 }

@@ -29,6 +29,15 @@ pub enum Association {
     Nearest,
     /// The plot of the largest statistic.
     Strongest,
+    /// Several hypotheses of which plots were the track's own, with decision statistics (T21).
+    Mht,
+}
+
+impl Association {
+    /// Whether decision statistics count.
+    pub fn uses_power(self) -> bool {
+        self != Self::Pda
+    }
 }
 
 /// Where the density of false plots comes from (T12).
@@ -75,8 +84,10 @@ pub struct TrackerConfig {
     pub gate_probability_by_mode: bool,
     /// γ: inflation of the range rate's variance (T7).
     pub range_rate_inflation: f64,
-    /// `pda-statistics`, `pda`, `nearest` or `strongest` (T12).
+    /// `pda-statistics`, `pda`, `nearest`, `strongest` (T12) or `mht` (T21).
     pub association: Association,
+    /// For `mht`: hypotheses kept of each track.
+    pub hypotheses: u32,
     /// Whether tracks take account of each other's claims to plots (linear multi-target approximation).
     pub joint_association: bool,
     /// `parametric` or `non-parametric` clutter (T12).
@@ -125,20 +136,21 @@ impl Default for TrackerConfig {
             hover_noise_mps: 1.0,
             velocity_noise_mps2: 1.0,
             manoeuvre_noise_mps3: 7.0,
-            stay_probability: 0.9,
+            stay_probability: 0.88,
             gate_rule: GateRule::Union,
             gate_union_probability: 0.0,
             gate_false_plots: 100.0,
-            gate_alpha: 3.0,
+            gate_alpha: 3.5,
             gate_probability_by_mode: true,
-            range_rate_inflation: 0.0,
+            range_rate_inflation: 0.4,
             association: Association::PdaStatistics,
+            hypotheses: 16,
             joint_association: true,
             clutter: Clutter::Parametric,
             clutter_floor: 1e-7,
             clutter_map_scans: 30,
             swerling: Swerling::One,
-            snr_db: 16.0,
+            snr_db: 14.0,
             snr_spread_db: 6.0,
             snr_prior_scans: 3.0,
             detection_probability: 0.95,
@@ -174,6 +186,7 @@ impl TrackerConfig {
         require("tracker.gate_union_probability", union, (0.0..1.0).contains(&union), "a number from 0, below 1")?;
         not_negative("tracker.gate_false_plots", self.gate_false_plots)?;
         not_negative("tracker.range_rate_inflation", self.range_rate_inflation)?;
+        within("tracker.hypotheses", self.hypotheses.into(), 1..=256)?;
         probability("tracker.clutter_floor", self.clutter_floor)?;
         within("tracker.clutter_map_scans", self.clutter_map_scans.into(), 0..=100_000)?;
         let snr = self.snr_db;

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 
 use crate::SimError;
 pub use flight::Flight;
-pub use segments::Segments;
+pub use segments::{Segments, Step};
 pub use waypoints::Course;
 
 /// State of a target in ENU about the antenna.

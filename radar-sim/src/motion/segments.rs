@@ -28,7 +28,7 @@ impl Piece {
 }
 
 /// (north, east) acceleration, m/s², and number of one-second steps.
-type Step = (f64, f64, u32);
+pub type Step = (f64, f64, u32);
 
 /// Trajectories of \[L22\] after the start at k = −1: steps k = 0…9, 10…15, 16…20, 21…25, 26…33, 34…39.
 const A: [Step; 6] = [(0.0, 0.0, 10), (5.0, 0.0, 6), (0.0, 0.0, 5), (-2.0, 4.0, 5), (0.0, 0.0, 8), (3.0, 3.0, 6)];
@@ -51,7 +51,8 @@ impl Segments {
         Self::new(start + shift_m, Vector3::new(-20.0, -20.0, 0.0), steps)
     }
 
-    fn new(position_m: Vector3<f64>, velocity_mps: Vector3<f64>, steps: &[Step]) -> Self {
+    /// From a start through steps of (north, east) acceleration (m/s²) and whole seconds.
+    pub fn new(position_m: Vector3<f64>, velocity_mps: Vector3<f64>, steps: &[Step]) -> Self {
         let mut piece = Piece { from_s: 0.0, position_m, velocity_mps, acceleration_mps2: Vector3::zeros() };
         let mut pieces = Vec::with_capacity(steps.len() + 1);
         for &(north, east, seconds) in steps {

@@ -1,0 +1,5 @@
+//! Monte Carlo experiments.
+
+pub mod follow;
+pub mod trajectory;
+pub mod world;
