@@ -1,0 +1,76 @@
+//! A proportion: detections of targets, lost runs of all runs.
+
+use crate::Estimate;
+use crate::quantile::two_sided;
+
+/// Wilson's interval of a proportion.
+///
+/// ```text
+/// p̂ = x/n,   centre = (p̂ + z²/2n)/(1 + z²/n),   half = z/(1 + z²/n) · √(p̂(1 − p̂)/n + z²/4n²)
+/// ```
+///
+/// | argument    | symbol | unit  |
+/// |-------------|--------|-------|
+/// | `successes` | x      | count |
+/// | `trials`    | n      | count |
+/// | `level`     | coverage, z its two-sided normal quantile | probability |
+///
+/// Never leaves [0, 1] and is sensible at 0 and n successes, where p̂ ± z s collapses. Without trials: all of [0, 1].
+/// Trials must be independent; cells of one CFAR window are only nearly so.
+///
+/// Source: E. B. Wilson (1927); compared with other intervals by R. G. Newcombe (1998).
+///
+/// # Panics
+/// If there are more successes than trials.
+pub fn wilson(successes: u64, trials: u64, level: f64) -> Estimate {
+    assert!(successes <= trials, "{successes} successes in {trials} trials");
+    if trials == 0 {
+        return Estimate { value: f64::NAN, lo: 0.0, hi: 1.0, n: 0 };
+    }
+    let (n, z) = (trials as f64, two_sided(level));
+    let p = successes as f64 / n;
+    let shrink = 1.0 / (1.0 + z * z / n);
+    let centre = shrink * (p + z * z / (2.0 * n));
+    let half = shrink * z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
+    let lo = if successes == 0 { 0.0 } else { centre - half };
+    let hi = if successes == trials { 1.0 } else { centre + half };
+    Estimate { value: p, lo, hi, n: trials }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantile::normal;
+    use approx::assert_abs_diff_eq;
+    use proptest::prelude::*;
+
+    /// The four examples of R. G. Newcombe, *Two-sided confidence intervals for the single proportion* (1998),
+    /// score method without continuity correction.
+    #[test]
+    fn published_examples() {
+        for (successes, trials, lo, hi) in
+            [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
+        {
+            let estimate = wilson(successes, trials, 0.95);
+            assert_abs_diff_eq!(estimate.lo, lo, epsilon = 5e-5);
+            assert_abs_diff_eq!(estimate.hi, hi, epsilon = 5e-5);
+        }
+    }
+
+    proptest! {
+        /// The definition: at both ends the observed proportion is z standard errors away.
+        #[test]
+        fn the_ends_solve_the_score_equation(trials in 1_u64..100_000, share in 0.0..=1.0_f64, level in 0.5..0.999_f64) {
+            let successes = (share * trials as f64) as u64;
+            let estimate = wilson(successes, trials, level);
+            prop_assert!(estimate.contains(estimate.value) && estimate.lo >= 0.0 && estimate.hi <= 1.0);
+            let z = normal(0.5 + 0.5 * level);
+            for end in [estimate.lo, estimate.hi] {
+                if end > 0.0 && end < 1.0 {
+                    let standard_error = (end * (1.0 - end) / trials as f64).sqrt();
+                    prop_assert!(((estimate.value - end).abs() / standard_error - z).abs() < 1e-6);
+                }
+            }
+        }
+    }
+}
