@@ -1,6 +1,6 @@
 //! The experiments that there are.
 
-use crate::{Options, Progress, Results};
+use crate::{Options, Progress, Results, cfar, initiation, plot_accuracy};
 
 /// One experiment. Its results depend on the options alone, and not on [`Options::threads`].
 #[derive(Debug, Clone, Copy)]
@@ -14,7 +14,19 @@ pub struct Experiment {
 }
 
 /// All experiments, in the order in which `all` runs them.
-pub const EXPERIMENTS: &[Experiment] = &[];
+pub const EXPERIMENTS: &[Experiment] = &[
+    Experiment { name: "cfar", about: "false alarms and detections of the CFAR against theory", run: cfar::run },
+    Experiment {
+        name: "plot-accuracy",
+        about: "errors of plots from simulated cells, and whether they are as stated",
+        run: plot_accuracy::run,
+    },
+    Experiment {
+        name: "initiation",
+        about: "new targets confirmed against false tracks, by threshold and logic",
+        run: initiation::run,
+    },
+];
 
 /// The name that stands for every experiment.
 pub const ALL: &str = "all";

@@ -9,13 +9,18 @@
 //! carries its number of samples and a 95 % interval; the seed repeats it exactly.
 
 pub mod catalogue;
+pub mod cfar;
 pub mod figures;
+pub mod fluctuation;
+pub mod initiation;
 pub mod options;
 pub mod parallel;
+pub mod plot_accuracy;
 pub mod progress;
 pub mod results;
 pub mod rows;
 pub mod table;
+pub mod turning;
 
 pub use options::Options;
 pub use progress::Progress;

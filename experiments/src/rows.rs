@@ -81,6 +81,11 @@ impl Row {
         Self::new(case, metric, evaluation::proportion::wilson(successes, trials, LEVEL))
     }
 
+    /// A proportion whose trials come in independent clusters [successes, trials], one a run.
+    pub fn clustered(case: &Case, metric: &'static str, clusters: &[[u64; 2]]) -> Self {
+        Self::new(case, metric, evaluation::proportion::clustered(clusters, LEVEL))
+    }
+
     /// The mean of independent samples, with Student's interval.
     pub fn mean(case: &Case, metric: &'static str, samples: impl IntoIterator<Item = f64>) -> Self {
         Self::new(case, metric, evaluation::mean::mean(samples, LEVEL))
