@@ -3,6 +3,9 @@
 use crate::Estimate;
 use crate::quantile::two_sided;
 
+/// Clusters below which their scatter is not to be trusted.
+const LEAST_CLUSTERS: usize = 30;
+
 /// Wilson's interval of a proportion.
 ///
 /// ```text
@@ -34,15 +37,15 @@ pub fn wilson(successes: u64, trials: u64, level: f64) -> Estimate {
 /// D = k/(k − 1) Σ (x_i − p̂ n_i)² / (n p̂(1 − p̂)),   Wilson with x/D and n/D for D > 1
 /// ```
 ///
-/// D, the design effect, is by how much the clusters scatter more than independent trials. It needs some 30 clusters to be
-/// worth anything; with fewer than two it is taken as 1. Source: Korn & Graubard (1998) on the design effect.
+/// D, the design effect, is by how much the clusters scatter more than independent trials. Fewer than 30 clusters cannot tell
+/// it: then it is taken as 1. Source: Korn & Graubard (1998) on the design effect.
 pub fn clustered(clusters: &[[u64; 2]], level: f64) -> Estimate {
     let [successes, trials] = clusters.iter().fold([0, 0], |sum, cluster| [sum[0] + cluster[0], sum[1] + cluster[1]]);
     let (x, n, k) = (successes as f64, trials as f64, clusters.len() as f64);
     let p = x / n;
     let scatter: f64 = clusters.iter().map(|&[x, n]| (x as f64 - p * n as f64).powi(2)).sum();
     let effect = scatter * k / (k - 1.0) / (n * p * (1.0 - p));
-    let effect = if effect.is_finite() { effect.max(1.0) } else { 1.0 };
+    let effect = if clusters.len() >= LEAST_CLUSTERS && effect.is_finite() { effect.max(1.0) } else { 1.0 };
     score(x / effect, n / effect, level).of(trials)
 }
 

@@ -3,7 +3,8 @@
 //! The tracker is fed with the drawn plots of a turning radar ([`crate::turning`]): one target, which appears after
 //! [`FIRST_SCAN`] turns in a place drawn anew in every run, and false plots. A target is *confirmed* if a confirmed track is
 //! within [`NEAR_M`] of it in one of its first [`WINDOW`] turns; a *false track* is one that is confirmed, after the first turns, and never
-//! that near. The threshold of existence, or M of N, is swept: each gives one point of a receiver curve.
+//! that near. Three things are swept, each value a point of a receiver curve: the threshold of existence that confirms, M of N,
+//! and, at the usual threshold, the density of new targets that a pair of plots is weighed with before a track starts at all.
 //!
 //! The reference of M-of-N counts all sequences of hits and misses of the window that confirm, weighted by (C4): what
 //! there would be without false plots and without errors of association.
@@ -27,11 +28,13 @@ use crate::{Case, Options, Progress, Results, Row};
 /// Mean signal-to-noise ratios, dB.
 const SNR_DB: [f64; 3] = [10.0, 13.0, 16.0];
 /// F per cell.
-const PFA: [f64; 3] = [1e-6, 1e-5, 1e-4];
+const PFA: [f64; 3] = [1e-5, 1e-4, 1e-3];
 /// Kinds of targets.
 const SWERLING: [Swerling; 2] = [Swerling::Zero, Swerling::One];
 /// Thresholds of existence.
-const EXISTENCE: [f64; 5] = [0.5, 0.9, 0.99, 0.999, 0.9999];
+const EXISTENCE: [f64; 4] = [0.05, 0.5, 0.99, 0.9999];
+/// New targets expected per cell and scan (usually 10⁻⁹), with the usual threshold of existence.
+const START_DENSITY: [f64; 4] = [1e-8, 1e-7, 1e-6, 1e-5];
 /// M-of-N: hits that confirm and the scans in which they must come.
 const M_OF_N: [[u32; 2]; 4] = [[2, 2], [3, 4], [3, 5], [4, 6]];
 /// First turn of the target: its predecessors make the false plots and their tracks usual.
@@ -49,6 +52,7 @@ const NEAR_M: f64 = 200.0;
 #[derive(Debug, Clone, Copy)]
 enum Confirm {
     Existence(f64),
+    StartDensity(f64),
     MOfN([u32; 2]),
 }
 
@@ -57,6 +61,7 @@ impl Confirm {
         let config = TrackerConfig::default();
         match self {
             Self::Existence(threshold) => TrackerConfig { confirm_existence: threshold, ..config },
+            Self::StartDensity(density) => TrackerConfig { start_density: density, ..config },
             Self::MOfN([hits, scans]) => {
                 TrackerConfig { logic: Logic::MOfN, confirm_hits: hits, confirm_scans: scans, ..config }
             }
@@ -66,13 +71,14 @@ impl Confirm {
     fn logic(self) -> &'static str {
         match self {
             Self::Existence(_) => "existence",
+            Self::StartDensity(_) => "start-density",
             Self::MOfN(_) => "m-of-n",
         }
     }
 
     fn parameter(self) -> Value {
         match self {
-            Self::Existence(threshold) => threshold.into(),
+            Self::Existence(value) | Self::StartDensity(value) => value.into(),
             Self::MOfN([hits, scans]) => format!("{hits}/{scans}").into(),
         }
     }
@@ -93,44 +99,40 @@ struct Outcome {
     false_tracks: u64,
 }
 
-/// Runs the experiment: 100 runs in each case.
+/// Runs the experiment: 120 runs in each case.
 ///
 /// # Errors
 /// If the tracker refuses a threshold.
 pub fn run(options: &Options, progress: &Progress) -> anyhow::Result<Results> {
-    let runs_of_each = options.runs_or(100, 3);
+    let runs_of_each = options.runs_or(120, 2);
     let existence = options.some_of(&EXISTENCE).into_iter().map(Confirm::Existence);
-    let confirm: Vec<Confirm> = existence.chain(options.some_of(&M_OF_N).into_iter().map(Confirm::MOfN)).collect();
+    let start_density = options.some_of(&START_DENSITY).into_iter().map(Confirm::StartDensity);
+    let m_of_n = options.some_of(&M_OF_N).into_iter().map(Confirm::MOfN);
+    let confirm: Vec<Confirm> = existence.chain(start_density).chain(m_of_n).collect();
     let settings = settings(options);
     progress.expect(u64::from(runs_of_each) * settings.len() as u64);
-    let mut results = Results { runs: runs_of_each, ..Results::default() };
-    let mut figure = Figure {
-        name: "initiation".into(),
-        title: format!("Confirmed within {WINDOW} scans against false tracks ({CELLS} cells a scan)"),
-        columns: PFA.len().min(options.some_of(&PFA).len()),
-        panels: Vec::new(),
-    };
-    for of_panel in settings.chunk_by(|a, b| (a.swerling, a.pfa) == (b.swerling, b.pfa)) {
-        let mut series = Vec::new();
-        for (colour, setting) in of_panel.iter().enumerate() {
-            progress.say(format!("F = {:e}, {} dB", setting.pfa, setting.snr_db));
-            let all =
-                runs(options.threads, runs_of_each, progress, |run| one_run(options.seed, run, setting, &confirm));
-            let outcomes: Vec<Vec<Outcome>> = all.into_iter().collect::<anyhow::Result<_>>()?;
-            let rows: Vec<[Row; 3]> = confirm
-                .iter()
-                .enumerate()
-                .map(|(place, confirm)| rows(setting, *confirm, outcomes.iter().map(|run| run[place])))
-                .collect();
-            series.extend(curves(setting, &confirm, &rows, colour));
-            results.rows.extend(rows.into_iter().flatten());
-        }
-        figure.panels.push(panel(&of_panel[0], series));
-    }
-    results.figures.push(figure);
     let hours = f64::from(runs_of_each) * f64::from(SCANS - WARM_UP) * PERIOD_S / 3600.0;
+    let mut results = Results { runs: runs_of_each, ..Results::default() };
+    // From half of a single false track to one in three scans.
+    let limits = [0.4 / hours, 3600.0 / PERIOD_S / 3.0];
+    for (place, setting) in settings.iter().enumerate() {
+        progress.say(format!("F = {:e}, {} dB", setting.pfa, setting.snr_db));
+        let all = runs(options.threads, runs_of_each, progress, |run| one_run(options.seed, run, setting, &confirm));
+        let outcomes: Vec<Vec<Outcome>> = all.into_iter().collect::<anyhow::Result<_>>()?;
+        let rows: Vec<[Row; 3]> = confirm
+            .iter()
+            .enumerate()
+            .map(|(place, confirm)| rows(setting, *confirm, outcomes.iter().map(|run| run[place])))
+            .collect();
+        if place == 0 || settings[place - 1].swerling != setting.swerling {
+            results.figures.push(figure(setting.swerling, options));
+        }
+        let figure = results.figures.last_mut().expect("the figure of its kind of target");
+        figure.panels.push(panel(setting, curves(&confirm, &rows, hours.recip()), limits));
+        results.rows.extend(rows.into_iter().flatten());
+    }
     results.remarks.push(format!(
-        "False tracks are those of {CELLS} cells (90° × 2.8° × 4.85 km × 208 m/s) a scan of {PERIOD_S} s, seen for {hours:.2} hours in each case."
+        "False tracks are those of {CELLS} cells (45° × 2.8° × 4.85 km × 208 m/s) a scan of {PERIOD_S} s, seen for {hours:.2} hours in each case."
     ));
     Ok(results)
 }
@@ -234,28 +236,48 @@ fn perfect_m_of_n(pd: f64, [hits, scans]: [u32; 2], misses: u32) -> f64 {
     (0..1 << WINDOW).filter(|&sequence| confirms(sequence)).map(probability).sum()
 }
 
-/// The receiver curves of one case: a line through the thresholds of existence, markers with intervals for both logics.
-fn curves(setting: &Setting, confirm: &[Confirm], rows: &[[Row; 3]], colour: usize) -> Vec<Series> {
-    // Where no false track was seen, the point is drawn at the upper end of its interval.
-    let rate = |row: &Row| if row.n == 0 { row.hi } else { row.value };
+/// Where no false track was seen, the point is drawn at this many of them.
+const NONE: f64 = 0.5;
+
+/// The receiver curves of one case, where a single false track is a rate of `one_per_hour`.
+fn curves(confirm: &[Confirm], rows: &[[Row; 3]], one_per_hour: f64) -> Vec<Series> {
+    let rate = |row: &Row| if row.n == 0 { NONE * one_per_hour } else { row.value };
     let points = |logic: &str| -> Vec<[f64; 4]> {
         let of_logic = confirm.iter().zip(rows).filter(|(confirm, _)| confirm.logic() == logic);
         of_logic.map(|(_, [p, _, false_tracks])| [rate(false_tracks), p.value, p.lo, p.hi]).collect()
     };
-    let existence = points("existence");
-    let line = existence.iter().map(|&[x, y, ..]| [x, y]).collect();
-    let snr_db = setting.snr_db;
-    vec![
-        Series::new("", colour, Shape::Line(line)),
-        Series::new(format!("existence, {snr_db} dB"), colour, Shape::Measured(existence)),
-        Series::new(format!("M of N, {snr_db} dB"), colour + SNR_DB.len(), Shape::Measured(points("m-of-n"))),
-    ]
+    [("existence", 0), ("start-density", 1), ("m-of-n", 2)]
+        .into_iter()
+        .flat_map(|(logic, place)| {
+            let points = points(logic);
+            let line = points.iter().map(|&[x, y, ..]| [x, y]).collect();
+            [
+                Series::new("", place, Shape::Line(line)),
+                Series::new(format!("{logic} swept"), place, Shape::Measured(points)),
+            ]
+        })
+        .collect()
 }
 
-fn panel(setting: &Setting, series: Vec<Series>) -> Panel {
+fn figure(swerling: Swerling, options: &Options) -> Figure {
+    let name = fluctuation::name(swerling);
+    Figure {
+        name: format!("initiation-swerling-{name}"),
+        title: format!("Swerling {name}: confirmed within {WINDOW} scans against false tracks ({CELLS} cells a scan)"),
+        columns: options.some_of(&SNR_DB).len(),
+        panels: Vec::new(),
+    }
+}
+
+fn panel(setting: &Setting, series: Vec<Series>, [lo, hi]: [f64; 2]) -> Panel {
     Panel {
-        title: format!("Swerling {}, F = {:e}", fluctuation::name(setting.swerling), setting.pfa),
-        x: Axis::log("false tracks per hour (none: upper end of interval)"),
+        title: format!(
+            "Swerling {}, {} dB, F = {:e}",
+            fluctuation::name(setting.swerling),
+            setting.snr_db,
+            setting.pfa
+        ),
+        x: Axis::log("false tracks per hour (none: at half of one)").between(lo, hi),
         y: Axis::linear("probability of confirmation").between(0.0, 1.0),
         series,
     }

@@ -1,7 +1,7 @@
 //! A radar that turns without cells: one true target in, `plots` messages out, for experiments on tracking alone.
 //!
 //! Detection and decision statistics follow (C4) with known noise; errors of plots are normal with the standard errors
-//! that they state. False plots are a Poisson process of F per cell over a sector about the target.
+//! that they state. False plots are a Poisson process of F per cell over a sector that goes with the target.
 
 use std::f64::consts::TAU;
 
@@ -30,9 +30,9 @@ const CELL: [f64; 4] = [69.3, 0.006_04, 0.006_04, 34.6];
 const SIGMA: [f64; 4] = [10.0, 0.000_87, 0.000_87, 5.0];
 /// The volume with false plots: first range, cells in range, azimuth, elevation and range rate.
 const FIRST_RANGE_M: f64 = 200.0;
-const VOLUME: [u32; 4] = [70, 260, 8, 6];
+const VOLUME: [u32; 4] = [70, 130, 8, 6];
 
-/// Cells that are looked at in a turn: 70 in range (4.85 km), 260 in azimuth (90°), 8 in elevation (2.8°), 6 in range rate.
+/// Cells that are looked at in a turn: 70 in range (4.85 km), 130 in azimuth (45°), 8 in elevation (2.8°), 6 in range rate.
 pub const CELLS: u32 = VOLUME[0] * VOLUME[1] * VOLUME[2] * VOLUME[3];
 
 /// A target that moves straight, from a turn on.
@@ -121,7 +121,7 @@ impl Turning {
                     into_sector(&mut all, scan, plot);
                 }
             }
-            let middle_rad = Polar::from_enu(&target.position_m).azimuth_rad;
+            let middle_rad = Polar::from_enu(&target.at(target.passage_s(scan))).azimuth_rad;
             let count: f64 = false_plots.sample(&mut rng);
             for _ in 0..count as u64 {
                 let (place, rate) = somewhere(middle_rad, &mut rng);

@@ -118,7 +118,7 @@ pub fn measure(options: &Options, runs_of_each: u32, progress: &Progress, result
     results.figures.extend(figures);
     results.figures.push(Figure {
         name: "cfar-target-statistic".into(),
-        title: format!("Decision statistic of detected targets (F = {}, N = {}, SNR {} dB)", TAIL.0, TAIL.1, TAIL.2),
+        title: format!("Decision statistic of detected targets (F = {:e}, N = {}, SNR {} dB)", TAIL.0, TAIL.1, TAIL.2),
         columns: 3,
         panels: tails.into(),
     });

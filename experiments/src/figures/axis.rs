@@ -3,6 +3,9 @@
 /// Superscript digits 0 … 9.
 const SUPERSCRIPT: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
 
+/// Decades of a logarithmic axis below which their halves are labelled too.
+const FEW_DECADES: f64 = 2.5;
+
 /// One axis of a panel.
 #[derive(Debug, Clone, Default)]
 pub struct Axis {
@@ -57,10 +60,15 @@ impl Axis {
 
     /// Places of labelled ticks between two ends.
     pub(super) fn ticks(&self, [lo, hi]: [f64; 2]) -> Vec<f64> {
-        // Decades on a logarithmic axis, as long as two of them are to be seen.
-        let step = if self.log && (hi.floor() - lo.ceil()) >= 1.0 { ((hi - lo) / 7.0).ceil() } else { step(hi - lo) };
-        let (first, last) = ((lo / step).ceil() as i64, ((hi + 1e-9) / step).floor() as i64);
-        (first..=last).map(|n| n as f64 * step).collect()
+        let (lo, hi) = (lo - 1e-9, hi + 1e-9);
+        if self.log && hi - lo < FEW_DECADES {
+            // 1, 2, 5, 10 … on a short axis, so that there are some.
+            let decades = lo.floor() as i32..=hi.floor() as i32;
+            let all = decades.flat_map(|decade| [1.0_f64, 2.0, 5.0].map(|digit| digit.log10() + f64::from(decade)));
+            return all.filter(|place| (lo..=hi).contains(place)).collect();
+        }
+        let step = if self.log { ((hi - lo) / 7.0).ceil() } else { step(hi - lo) };
+        ((lo / step).ceil() as i64..=(hi / step).floor() as i64).map(|n| n as f64 * step).collect()
     }
 
     /// Label of a tick at a place.
@@ -116,6 +124,7 @@ mod tests {
         let log = Axis::log("");
         assert_eq!(labels(&log, [-6.2, -0.9]), ["10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹"]);
         assert_eq!(labels(&log, [-1.1, 2.2]), ["0.1", "1", "10", "100"]);
+        assert_eq!(labels(&log, [-0.4, 1.1]), ["0.5", "1", "2", "5", "10"]);
     }
 
     #[test]

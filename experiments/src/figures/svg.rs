@@ -25,18 +25,30 @@ const PALETTE: [RGBColor; COLOURS] = [
 const BACKGROUND_GREY: RGBColor = RGBColor(130, 130, 130);
 const INK: RGBColor = RGBColor(40, 40, 40);
 
-/// Size of one panel, of one line of the legend and of the title, pixels.
-const PANEL: [u32; 2] = [460, 330];
-const LEGEND_LINE: u32 = 24;
-const TITLE: u32 = 40;
+/// Steps in a pixel: `plotters` draws in whole numbers, and lines must not have stairs.
+const FINE: u32 = 4;
+/// Size of one panel, of one line of the legend and of the titles, steps; and the least width of a figure.
+const PANEL: [u32; 2] = [460 * FINE, 330 * FINE];
+const LEGEND_LINE: u32 = 24 * FINE;
+const TITLE: u32 = 40 * FINE;
+const PANEL_TITLE: u32 = 22 * FINE;
+const LEAST_WIDTH: u32 = 680 * FINE;
 /// Text of ticks and legend, and of titles.
-const TEXT: u32 = 16;
-const TITLE_TEXT: u32 = 20;
-/// Length of a legend's sample, pixels, and width of its letters on the average.
-const SAMPLE: i32 = 28;
-const LETTER: f64 = 7.2;
-/// Half the size of a marker, pixels.
-const MARKER: i32 = 4;
+const TEXT: u32 = 16 * FINE;
+const TITLE_TEXT: u32 = 20 * FINE;
+/// Length of a legend's sample, steps, and width of its letters on the average.
+const SAMPLE: i32 = step(28);
+const LETTER: f64 = 7.2 * FINE as f64;
+/// Half the size of a marker, steps.
+const MARKER: i32 = step(4);
+/// Widths of lines, steps.
+const THICK: u32 = 2 * FINE;
+const THIN: u32 = FINE;
+
+/// Pixels in steps.
+const fn step(pixels: i32) -> i32 {
+    pixels * FINE as i32
+}
 
 impl Figure {
     /// The figure as SVG.
@@ -46,13 +58,15 @@ impl Figure {
     pub fn to_svg(&self) -> anyhow::Result<String> {
         let columns = if self.columns == 0 { self.panels.len() } else { self.columns }.max(1);
         let rows = self.panels.len().div_ceil(columns).max(1);
-        let width = (PANEL[0] * columns as u32).max(680);
-        let legend = self.legend(width as i32 - 40);
-        let height = TITLE + PANEL[1] * rows as u32 + LEGEND_LINE * legend.len() as u32 + 14;
+        let width = (PANEL[0] * columns as u32).max(LEAST_WIDTH);
+        let legend = self.legend(width as i32 - step(40));
+        let height = TITLE + PANEL[1] * rows as u32 + LEGEND_LINE * legend.len() as u32 + 14 * FINE;
         let mut text = String::new();
         self.draw(&mut text, [width, height], [columns, rows], &legend)
             .map_err(|error| anyhow!("drawing figure {}: {error}", self.name))?;
-        Ok(text)
+        // Shown in pixels; the view box keeps the steps.
+        let shown = format!("width=\"{}\" height=\"{}\"", width / FINE, height / FINE);
+        Ok(text.replacen(&format!("width=\"{width}\" height=\"{height}\""), &shown, 1))
     }
 
     fn draw(
@@ -65,7 +79,7 @@ impl Figure {
         let root = SVGBackend::with_string(text, (width, height)).into_drawing_area();
         root.fill(&WHITE)?;
         let title = ("sans-serif", TITLE_TEXT).into_font().color(&INK).pos(Pos::new(HPos::Center, VPos::Center));
-        root.draw_text(&self.title, &title, (width as i32 / 2, TITLE as i32 / 2 + 2))?;
+        root.draw_text(&self.title, &title, (width as i32 / 2, TITLE as i32 / 2))?;
         let (_, rest) = root.split_vertically(TITLE);
         let (panels, below) = rest.split_vertically(PANEL[1] * rows as u32);
         for (panel, area) in self.panels.iter().zip(panels.split_evenly((rows, columns))) {
@@ -73,7 +87,7 @@ impl Figure {
         }
         for (line, entries) in legend.iter().enumerate() {
             let mut x = (width as i32 - entries.iter().map(|series| legend_width(series)).sum::<i32>()) / 2;
-            let y = 8 + (line as u32 * LEGEND_LINE + LEGEND_LINE / 2) as i32;
+            let y = step(8) + (line as u32 * LEGEND_LINE + LEGEND_LINE / 2) as i32;
             for series in entries {
                 series.draw_sample(&below, x, y)?;
                 x += legend_width(series);
@@ -107,7 +121,7 @@ impl Figure {
 }
 
 fn legend_width(series: &Series) -> i32 {
-    SAMPLE + 26 + (LETTER * series.label.chars().count() as f64) as i32
+    SAMPLE + step(26) + (LETTER * series.label.chars().count() as f64) as i32
 }
 
 impl Panel {
@@ -116,11 +130,14 @@ impl Panel {
         let x_ends = self.x.ends(extents().map(|[x, _, _]| self.x.place(x)));
         let y_ends = self.y.ends(extents().flat_map(|[_, lo, hi]| [self.y.place(lo), self.y.place(hi)]));
         let (x_ticks, y_ticks) = (self.x.ticks(x_ends), self.y.ticks(y_ends));
-        let mut builder = ChartBuilder::on(area);
-        builder.margin(8).margin_right(20).x_label_area_size(46).y_label_area_size(70);
-        if !self.title.is_empty() {
-            builder.caption(&self.title, ("sans-serif", TEXT).into_font().color(&INK));
-        }
+        let (head, area) = area.split_vertically(if self.title.is_empty() { 0 } else { PANEL_TITLE });
+        let text = ("sans-serif", TEXT).into_font().color(&INK);
+        let centred = text.pos(Pos::new(HPos::Center, VPos::Center));
+        // Over the diagram, without the labels at its left.
+        let middle = i32::midpoint(head.dim_in_pixel().0 as i32, step(60));
+        head.draw_text(&self.title, &centred, (middle, PANEL_TITLE as i32 / 2))?;
+        let mut builder = ChartBuilder::on(&area);
+        builder.margin(8 * FINE).margin_right(20 * FINE).x_label_area_size(46 * FINE).y_label_area_size(70 * FINE);
         let mut chart = builder.build_cartesian_2d(
             Places { ends: x_ends, ticks: x_ticks.clone() },
             Places { ends: y_ends, ticks: y_ticks.clone() },
@@ -129,8 +146,9 @@ impl Panel {
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
-            .bold_line_style(RGBColor(222, 222, 222))
-            .axis_style(INK)
+            .bold_line_style(RGBColor(222, 222, 222).stroke_width(THIN))
+            .axis_style(INK.stroke_width(THIN))
+            .set_all_tick_mark_size(step(5))
             .x_desc(&self.x.label)
             .y_desc(&self.y.label)
             .label_style(text.clone())
@@ -213,11 +231,11 @@ impl Series {
         match &self.shape {
             Shape::Line(points) => {
                 let lines = inside.lines(points).into_iter();
-                chart.draw_series(lines.map(|line| PathElement::new(line, ink.stroke_width(2))))?;
+                chart.draw_series(lines.map(|line| PathElement::new(line, ink.stroke_width(THICK))))?;
             }
             Shape::Dashed(points) => {
                 for line in inside.lines(points) {
-                    let dashes = DashedPathElement::new(line, 7, 4, ink.stroke_width(2));
+                    let dashes = DashedPathElement::new(line, step(7), step(4), ink.stroke_width(THICK));
                     chart.draw_series(std::iter::once(dashes))?;
                 }
             }
@@ -230,7 +248,7 @@ impl Series {
                 for &[x, y, lo, hi] in points {
                     let Some(place) = inside.place(x, y) else { continue };
                     let bar = [lo, hi].map(|end| (place.0, inside.cut(end, inside.y_ends[0])));
-                    chart.draw_series(std::iter::once(PathElement::new(bar.to_vec(), ink.stroke_width(1))))?;
+                    chart.draw_series(std::iter::once(PathElement::new(bar.to_vec(), ink.stroke_width(THIN))))?;
                     self.draw_marker(chart.plotting_area(), place)?;
                 }
             }
@@ -259,10 +277,10 @@ impl Series {
         let element = EmptyElement::at(place);
         match self.colour % COLOURS {
             1 => area.draw(&(element + Polygon::new([(-m, m), (m, m), (0, -m)], ink)))?,
-            2 => area.draw(&(element + Rectangle::new([(1 - m, 1 - m), (m - 1, m - 1)], ink)))?,
-            3 => area.draw(&(element + Polygon::new([(-m - 1, 0), (0, m + 1), (m + 1, 0), (0, -m - 1)], ink)))?,
+            2 => area.draw(&(element + Rectangle::new([(-m, -m), (m, m)], ink)))?,
+            3 => area.draw(&(element + Polygon::new([(-m, 0), (0, m), (m, 0), (0, -m)], ink)))?,
             4 => area.draw(&(element + Polygon::new([(-m, -m), (m, -m), (0, m)], ink)))?,
-            5 => area.draw(&(element + Circle::new((0, 0), m, self.ink().stroke_width(2))))?,
+            5 => area.draw(&(element + Circle::new((0, 0), m, self.ink().stroke_width(THICK))))?,
             _ => area.draw(&(element + Circle::new((0, 0), m, ink)))?,
         }
         Ok(())
@@ -272,20 +290,23 @@ impl Series {
         let ink = self.ink();
         let ends = [(x, y), (x + SAMPLE, y)];
         match &self.shape {
-            Shape::Line(_) => area.draw(&PathElement::new(ends.to_vec(), ink.stroke_width(2)))?,
-            Shape::Dashed(_) => area.draw(&DashedPathElement::new(ends, 7, 4, ink.stroke_width(2)))?,
+            Shape::Line(_) => area.draw(&PathElement::new(ends.to_vec(), ink.stroke_width(THICK)))?,
+            Shape::Dashed(_) => area.draw(&DashedPathElement::new(ends, step(7), step(4), ink.stroke_width(THICK)))?,
             Shape::Points(_) => self.draw_marker(area, (x + SAMPLE / 2, y))?,
             Shape::Measured(_) => {
                 let middle = x + SAMPLE / 2;
-                area.draw(&PathElement::new(vec![(middle, y - 9), (middle, y + 9)], ink.stroke_width(1)))?;
+                area.draw(&PathElement::new(
+                    vec![(middle, y - step(9)), (middle, y + step(9))],
+                    ink.stroke_width(THIN),
+                ))?;
                 self.draw_marker(area, (middle, y))?;
             }
             Shape::Band(_) => {
-                area.draw(&Rectangle::new([(x, y - 6), (x + SAMPLE, y + 6)], ink.mix(0.18).filled()))?;
+                area.draw(&Rectangle::new([(x, y - step(6)), (x + SAMPLE, y + step(6))], ink.mix(0.18).filled()))?;
             }
         }
         let text = ("sans-serif", TEXT).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
-        area.draw_text(&self.label, &text, (x + SAMPLE + 6, y))?;
+        area.draw_text(&self.label, &text, (x + SAMPLE + step(6), y))?;
         Ok(())
     }
 }
