@@ -34,7 +34,7 @@ const SWERLING: [Swerling; 2] = [Swerling::Zero, Swerling::One];
 /// Thresholds of existence.
 const EXISTENCE: [f64; 4] = [0.05, 0.5, 0.99, 0.9999];
 /// New targets expected per cell and scan (usually 10⁻⁹), with the usual threshold of existence.
-const START_DENSITY: [f64; 4] = [1e-8, 1e-7, 1e-6, 1e-5];
+const START_DENSITY: [f64; 4] = [1e-7, 1e-5, 1e-3, 1e-1];
 /// M-of-N: hits that confirm and the scans in which they must come.
 const M_OF_N: [[u32; 2]; 4] = [[2, 2], [3, 4], [3, 5], [4, 6]];
 /// First turn of the target: its predecessors make the false plots and their tracks usual.
@@ -99,12 +99,12 @@ struct Outcome {
     false_tracks: u64,
 }
 
-/// Runs the experiment: 120 runs in each case.
+/// Runs the experiment: 80 runs in each case.
 ///
 /// # Errors
 /// If the tracker refuses a threshold.
 pub fn run(options: &Options, progress: &Progress) -> anyhow::Result<Results> {
-    let runs_of_each = options.runs_or(120, 2);
+    let runs_of_each = options.runs_or(80, 2);
     let existence = options.some_of(&EXISTENCE).into_iter().map(Confirm::Existence);
     let start_density = options.some_of(&START_DENSITY).into_iter().map(Confirm::StartDensity);
     let m_of_n = options.some_of(&M_OF_N).into_iter().map(Confirm::MOfN);
@@ -248,14 +248,7 @@ fn curves(confirm: &[Confirm], rows: &[[Row; 3]], one_per_hour: f64) -> Vec<Seri
     };
     [("existence", 0), ("start-density", 1), ("m-of-n", 2)]
         .into_iter()
-        .flat_map(|(logic, place)| {
-            let points = points(logic);
-            let line = points.iter().map(|&[x, y, ..]| [x, y]).collect();
-            [
-                Series::new("", place, Shape::Line(line)),
-                Series::new(format!("{logic} swept"), place, Shape::Measured(points)),
-            ]
-        })
+        .map(|(logic, place)| Series::new(format!("{logic} swept"), place, Shape::Measured(points(logic))))
         .collect()
 }
 
@@ -271,12 +264,7 @@ fn figure(swerling: Swerling, options: &Options) -> Figure {
 
 fn panel(setting: &Setting, series: Vec<Series>, [lo, hi]: [f64; 2]) -> Panel {
     Panel {
-        title: format!(
-            "Swerling {}, {} dB, F = {:e}",
-            fluctuation::name(setting.swerling),
-            setting.snr_db,
-            setting.pfa
-        ),
+        title: format!("{} dB, F = {:e}", setting.snr_db, setting.pfa),
         x: Axis::log("false tracks per hour (none: at half of one)").between(lo, hi),
         y: Axis::linear("probability of confirmation").between(0.0, 1.0),
         series,
