@@ -22,6 +22,7 @@ use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, Plot, PlotsHeader};
 use common::report::Detection;
 use common::truth::{TruthHeader, TruthTarget, VISIBLE};
 use common::units::{from_db, seconds_between};
+use evaluation::poisson;
 use nalgebra::Vector3;
 
 use super::path::ns;
@@ -146,7 +147,10 @@ impl PlotScore {
             false_alarm_cells: counts.false_cells,
             pfa_set,
             pfa_measured: measured.then(|| counts.false_cells as f64 / cells),
-            pfa_interval: measured.then(|| poisson_interval(counts.false_cells).map(|count| count / cells)),
+            pfa_interval: measured.then(|| {
+                let count = poisson::count(counts.false_cells, 0.95);
+                [count.lo / cells, count.hi / cells]
+            }),
             pd_expected: pfa_set.and_then(|_| per_visible(self.expected)),
             pd_measured: per_visible(counts.detected as f64),
             plots: counts.plots,
@@ -344,27 +348,9 @@ impl ClutterRegion {
     }
 }
 
-/// 95 % interval of the mean of a Poisson distribution from one count, by the cube-root
-/// approximation of Wilson and Hilferty to the χ² quantiles.
-fn poisson_interval(count: u64) -> [f64; 2] {
-    const Z: f64 = 1.959_964;
-    let bound = |n: f64, z: f64| n * (1.0 - 1.0 / (9.0 * n) + z / (3.0 * n.sqrt())).powi(3);
-    let n = count as f64;
-    [if count == 0 { 0.0 } else { bound(n, -Z) }, bound(n + 1.0, Z)]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn poisson_intervals_are_those_of_tables() {
-        for (count, low, high) in [(0, 0.0, 3.689), (1, 0.0253, 5.572), (10, 4.795, 18.39), (100, 81.36, 121.63)] {
-            let [below, above] = poisson_interval(count);
-            assert!((below - low).abs() < 0.02 + 0.002 * low, "{count}: {below}");
-            assert!((above - high).abs() < 0.01 * high, "{count}: {above}");
-        }
-    }
 
     #[test]
     fn without_clutter_all_cells_count() {

@@ -8,7 +8,6 @@
 //! folded live for months or over a recording. Each topic has to come in order of time;
 //! topics may be apart by a minute.
 
-pub mod assignment;
 pub mod cooperative;
 pub mod detection;
 pub mod path;

@@ -20,9 +20,11 @@ use common::report::Tracking;
 use common::tracks::{Track, TracksHeader, pack};
 use common::truth::{CONSTANT_VELOCITY, HOVER, MANOEUVRE, TruthHeader, TruthTarget, VISIBLE};
 use common::units::seconds_between;
-use nalgebra::{DMatrix, DVector};
+use evaluation::assignment::cheapest;
+use evaluation::consistency;
+use evaluation::gospa::gospa;
+use nalgebra::{SMatrix, SVector};
 
-use super::assignment::{cheapest, gospa};
 use super::path::ns;
 
 /// A report counts for a target if it is not farther than this from it in time, scans.
@@ -235,7 +237,7 @@ impl Simulated {
                 }
             }
         }
-        self.gospa.add(gospa(visible.len(), counted, &distances, cutoff, self.config.gospa_order));
+        self.gospa.add(gospa(visible.len(), counted, &distances, cutoff, self.config.gospa_order).distance);
     }
 
     fn score_following(&mut self, truth: &[TruthTarget], reports: &[Vec<(usize, Error)>], ids: &[u64]) {
@@ -327,18 +329,17 @@ impl Error {
         distance_m.is_finite().then(|| Self {
             distance_m,
             speed_mps,
-            nees: normalised_square(&error, track, &POSITION_AND_VELOCITY),
-            nees_position: normalised_square(&error, track, &POSITION),
+            nees: normalised_square(&error, track, POSITION_AND_VELOCITY),
+            nees_position: normalised_square(&error, track, POSITION),
             mode_probability: track.mode_probability,
         })
     }
 }
 
-/// ν' P⁻¹ ν of some components over their number; `None` if P has no Cholesky factor.
-fn normalised_square(error: &[f64; 9], track: &Track, components: &[usize]) -> Option<f64> {
-    let n = components.len();
-    let covariance = DMatrix::from_fn(n, n, |row, column| track.covariance[pack(components[row], components[column])]);
-    let innovation = DVector::from_fn(n, |row, _| error[components[row]]);
-    let solved = covariance.cholesky()?.solve(&innovation);
-    Some(innovation.dot(&solved) / n as f64)
+/// NEES of some components over their number; `None` if P has no Cholesky factor.
+fn normalised_square<const N: usize>(error: &[f64; 9], track: &Track, components: [usize; N]) -> Option<f64> {
+    let covariance =
+        SMatrix::<f64, N, N>::from_fn(|row, column| track.covariance[pack(components[row], components[column])]);
+    let error = SVector::from(components.map(|component| error[component]));
+    Some(consistency::normalised_square(&error, &covariance)? / N as f64)
 }

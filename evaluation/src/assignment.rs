@@ -1,4 +1,4 @@
-//! The cheapest pairing of targets and tracks, and GOSPA.
+//! The cheapest pairing of targets and tracks.
 
 /// Pairs rows with columns at the lowest total cost, each at most once. `pairs` lists
 /// (row, column, cost); an unpaired row costs `unpaired`, an unpaired column nothing.
@@ -63,31 +63,6 @@ pub fn cheapest(rows: usize, columns: usize, pairs: &[(usize, usize, f64)], unpa
     paired
 }
 
-/// Generalised optimal sub-pattern assignment distance with α = 2:
-///
-/// ```text
-/// GOSPA = (Σ d(x, y)^p over pairs + c^p/2 · (number missed + number false))^(1/p)
-/// ```
-///
-/// `distances` lists (target, track, d) of the pairs with d < c. Source: Rahmathullah,
-/// García-Fernández & Svensson (2017).
-pub fn gospa(targets: usize, tracks: usize, distances: &[(usize, usize, f64)], cutoff: f64, order: f64) -> f64 {
-    let limit = cutoff.powf(order);
-    let costs: Vec<_> = distances.iter().map(|&(x, y, d)| (x, y, d.powf(order))).collect();
-    // A pair that costs more than missing its target and having a false track is none.
-    let pairs = cheapest(targets, tracks, &costs, limit);
-    let mut sum = 0.0;
-    let mut paired = 0;
-    for (target, track) in pairs.iter().enumerate() {
-        if let Some(track) = *track {
-            sum += costs.iter().find(|&&(x, y, _)| (x, y) == (target, track)).map_or(0.0, |&(_, _, cost)| cost);
-            paired += 1;
-        }
-    }
-    let unpaired = (targets - paired) + (tracks - paired);
-    (sum + limit / 2.0 * unpaired as f64).powf(order.recip())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,13 +99,5 @@ mod tests {
             let best = cheapest_naive(0, rows, 0, &pairs, 6.0);
             prop_assert!((total(&pairing, &pairs, 6.0) - best).abs() < 1e-9);
         }
-    }
-
-    #[test]
-    fn gospa_counts_misses_and_false_tracks_half_each() {
-        assert!((gospa(1, 1, &[(0, 0, 3.0)], 10.0, 2.0) - 3.0).abs() < 1e-12);
-        assert!((gospa(1, 0, &[], 10.0, 2.0) - 50.0_f64.sqrt()).abs() < 1e-12);
-        assert!((gospa(2, 3, &[(0, 1, 3.0), (0, 0, 1.0)], 10.0, 2.0) - (1.0 + 150.0_f64).sqrt()).abs() < 1e-12);
-        assert!(gospa(0, 0, &[], 10.0, 2.0).abs() < 1e-12);
     }
 }

@@ -1,0 +1,37 @@
+//! The experiments that there are.
+
+use crate::{Options, Progress, Results, cfar, initiation, plot_accuracy};
+
+/// One experiment. Its results depend on the options alone, and not on [`Options::threads`].
+#[derive(Debug, Clone, Copy)]
+pub struct Experiment {
+    /// Its name on the command line and in the results.
+    pub name: &'static str,
+    /// What it measures, in a line.
+    pub about: &'static str,
+    /// Runs it.
+    pub run: fn(&Options, &Progress) -> anyhow::Result<Results>,
+}
+
+/// All experiments, in the order in which `all` runs them.
+pub const EXPERIMENTS: &[Experiment] = &[
+    Experiment { name: "cfar", about: "false alarms and detections of the CFAR against theory", run: cfar::run },
+    Experiment {
+        name: "plot-accuracy",
+        about: "errors of plots from simulated cells, and whether they are as stated",
+        run: plot_accuracy::run,
+    },
+    Experiment {
+        name: "initiation",
+        about: "new targets confirmed against false tracks, by threshold and logic",
+        run: initiation::run,
+    },
+];
+
+/// The name that stands for every experiment.
+pub const ALL: &str = "all";
+
+/// The experiments of a name; none if there is no such name.
+pub fn named(name: &str) -> Vec<Experiment> {
+    EXPERIMENTS.iter().copied().filter(|experiment| name == ALL || experiment.name == name).collect()
+}

@@ -1,0 +1,56 @@
+//! Every experiment, with few runs: the form of its results, and that they do not depend on the number of threads.
+
+use experiments::catalogue::{ALL, EXPERIMENTS, named};
+use experiments::{Options, Progress, results, table};
+use serde_json::Value;
+
+fn json(name: &str, threads: usize) -> String {
+    let options = Options { quick: true, threads, ..Options::default() };
+    let all: Vec<_> = named(name)
+        .into_iter()
+        .map(|experiment| (experiment.name, (experiment.run)(&options, &Progress::hidden()).expect("results")))
+        .collect();
+    for (_, results) in &all {
+        assert!(!table::text(&results.rows).is_empty());
+        for figure in &results.figures {
+            let svg = figure.to_svg().expect("a figure");
+            assert!(svg.starts_with("<svg") && !svg.contains("NaN"), "{}", figure.name);
+        }
+    }
+    results::to_json(name, &options, &all).expect("JSON")
+}
+
+#[test]
+fn results_have_the_published_form_and_do_not_depend_on_threads() {
+    for experiment in EXPERIMENTS {
+        let text = json(experiment.name, 1);
+        assert_eq!(text, json(experiment.name, 2), "{} on two threads", experiment.name);
+        let value: Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(value["experiment"], experiment.name);
+        for key in ["version", "git", "seed", "runs"] {
+            assert!(!value[key].is_null(), "{key}");
+        }
+        let rows = value["rows"].as_array().expect("rows");
+        assert!(!rows.is_empty(), "{}", experiment.name);
+        for row in rows {
+            let row = row.as_object().expect("a row");
+            let mut keys: Vec<&str> = row.keys().map(String::as_str).collect();
+            keys.sort_unstable();
+            assert_eq!(keys, ["case", "hi", "lo", "metric", "n", "reference", "source", "value"]);
+            assert!(row["case"].as_object().is_some_and(|case| !case.is_empty()));
+            assert_eq!(row["reference"].is_null(), row["source"].is_null(), "{row:?}");
+            if let (Some(lo), Some(value), Some(hi)) = (row["lo"].as_f64(), row["value"].as_f64(), row["hi"].as_f64()) {
+                assert!(lo <= value && value <= hi, "{row:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn names_are_the_published_ones() {
+    for name in ["cfar", "plot-accuracy", "initiation"] {
+        assert_eq!(named(name).len(), 1, "{name}");
+    }
+    assert_eq!(named(ALL).len(), EXPERIMENTS.len());
+    assert!(named("nothing").is_empty());
+}
