@@ -1,10 +1,13 @@
 //! `initiation`: new targets confirmed in time against false tracks, for both logics of the tracker.
 //!
 //! The tracker is fed with the drawn plots of a turning radar ([`crate::turning`]): one target, which appears after
-//! [`FIRST_SCAN`] turns in a place drawn anew in every run, and false plots. A target is *confirmed* if a confirmed track is
-//! within [`NEAR_M`] of it in one of its first [`WINDOW`] turns; a *false track* is one that is confirmed, after the first turns, and never
+//! 8 turns in a place drawn anew in every run, and false plots. A target is *confirmed* if a confirmed track is
+//! within 200 m of it in one of its first 10 turns; a *false track* is one that is confirmed, after the first turns, and never
 //! that near. Three things are swept, each value a point of a receiver curve: the threshold of existence that confirms, M of N,
 //! and, at the usual threshold, the density of new targets that a pair of plots is weighed with before a track starts at all.
+//!
+//! All cases see the same targets and draws: they differ from each other by less than their intervals say, and may miss
+//! their references together.
 //!
 //! The reference of M-of-N counts all sequences of hits and misses of the window that confirm, weighted by (C4): what
 //! there would be without false plots and without errors of association.
@@ -113,8 +116,8 @@ pub fn run(options: &Options, progress: &Progress) -> anyhow::Result<Results> {
     progress.expect(u64::from(runs_of_each) * settings.len() as u64);
     let hours = f64::from(runs_of_each) * f64::from(SCANS - WARM_UP) * PERIOD_S / 3600.0;
     let mut results = Results { runs: runs_of_each, ..Results::default() };
-    // From half of a single false track to one in three scans.
-    let limits = [0.4 / hours, 3600.0 / PERIOD_S / 3.0];
+    // From half of a single false track to one in thirty scans.
+    let limits = [0.4 / hours, 3600.0 / PERIOD_S / 30.0];
     for (place, setting) in settings.iter().enumerate() {
         progress.say(format!("F = {:e}, {} dB", setting.pfa, setting.snr_db));
         let all = runs(options.threads, runs_of_each, progress, |run| one_run(options.seed, run, setting, &confirm));

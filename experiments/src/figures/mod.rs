@@ -1,4 +1,4 @@
-//! Figures as data: what is to be seen, not how it is drawn ([`svg`]).
+//! Figures as data: what is to be seen, not how it is drawn (`svg.rs`).
 //!
 //! One look for all: white ground, units on the axes, the colours of Okabe & Ito (2008), which colour-blind readers can
 //! tell apart, and a marker of its own for each colour, so that grey prints can be read too.
