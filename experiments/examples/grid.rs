@@ -38,15 +38,15 @@ fn eval(config: &TrackerConfig, runs: u32) -> Vec<f64> {
 }
 fn main() {
     let c = Conditions { pfa: 0.0, snr_db: 16.0, swerling: Swerling::One };
-    let runs = 600;
+    let runs = 2000;
     let base = eval(&source_settings(&c), runs);
     println!("source {base:.3?}");
     let mut best: Vec<(f64, String)> = vec![];
-    for stay in [0.88, 0.9, 0.92, 0.94, 0.96] {
-        for a3 in [4.0, 5.0, 6.0, 7.0, 8.0] {
-            for a2 in [0.5, 0.7, 1.0, 1.4] {
-                for a1 in [0.5, 1.0, 2.0] {
-                    for gamma in [0.0, 0.4] {
+    for stay in [0.87, 0.88, 0.89] {
+        for a3 in [7.0, 7.5, 8.0] {
+            for a2 in [0.6, 0.8, 1.0] {
+                for a1 in [0.9, 1.0] {
+                    for gamma in [0.2, 0.4] {
                         let config = TrackerConfig {
                             stay_probability: stay,
                             manoeuvre_noise_mps3: a3,

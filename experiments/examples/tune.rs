@@ -86,8 +86,11 @@ fn main() {
                 "3" => Swerling::Three,
                 _ => Swerling::One,
             };
-            for pfa in [0.1, 0.01, 0.001] {
-                for snr_db in [8.0, 10.0, 12.0, 14.0, 16.0] {
+            let only = |key: &str, all: &[f64]| -> Vec<f64> {
+                std::env::var(key).map_or(all.to_vec(), |v| v.split(',').map(|x| x.parse().unwrap()).collect())
+            };
+            for pfa in only("F", &[0.1, 0.01, 0.001]) {
+                for snr_db in only("S", &[8.0, 10.0, 12.0, 14.0, 16.0]) {
                     let c = Conditions { pfa, snr_db, swerling: sw };
                     let mut config = match what {
                         "source" | "nn" | "sn" => source_settings(&c),

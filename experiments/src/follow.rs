@@ -33,6 +33,9 @@ pub fn source_settings(conditions: &Conditions) -> TrackerConfig {
         gate_rule: GateRule::MostProbable,
         gate_union_probability: 0.0,
         gate_false_plots: 0.0,
+        hover_noise_mps: 1.0,
+        velocity_noise_mps2: 1.0,
+        manoeuvre_noise_mps3: 7.0,
         gate_alpha: 3.0,
         stay_probability: 0.9,
         gate_probability_by_mode: false,
@@ -149,7 +152,7 @@ impl Follower {
                     1.0 - 1e-12
                 },
                 target: Some(&statistics),
-                rivals: &[],
+                shares: &[],
                 clutter: |polar: &[f64; COORDINATES]| FalsePlots {
                     density: pfa.max(1e-12) / cells / (polar[0] * polar[0] * polar[2].cos().max(1e-3)),
                     mean_excess: 0.0,
@@ -168,7 +171,6 @@ impl Follower {
             if given_up {
                 record.lost_at.get_or_insert(scan as u32 - 1);
             } else if conditions.pfa > 0.0 {
-                let largest = gates.iter().map(|gate| gate.cells(&self.radar)).fold(0.0, f64::max);
                 match self.rules.gate_rule {
                     GateRule::MostProbable => {
                         let first = region(prediction.most_probable());
@@ -187,22 +189,34 @@ impl Follower {
                         add_false_plots(&region(MANOEUVRE), self.detector.threshold, &mut rng, &mut self.plots);
                     }
                     GateRule::Union => {
-                        let mut all = region(0).join(&region(1)).join(&region(2));
-                        if mht {
-                            for filter in hypotheses.filters() {
-                                let predicted = filter.predict(&chain, &self.motion, 1.0);
-                                for j in 0..MODES {
-                                    let gate = Gate::new(
-                                        &Expected::new(j, &predicted.modes[j]),
-                                        &self.radar,
-                                        self.rules.alpha,
-                                    );
-                                    all = all.join(&Region { centre: gate.centre, half: gate.half });
-                                }
-                            }
+                        let joined = |imm: &Imm| {
+                            let gates: [Gate; MODES] = std::array::from_fn(|j| {
+                                Gate::new(&Expected::new(j, &imm.modes[j]), &self.radar, self.rules.alpha)
+                            });
+                            let cells = gates.iter().map(|gate| gate.cells(&self.radar)).fold(0.0, f64::max);
+                            let [first, second, third] =
+                                gates.map(|gate| Region { centre: gate.centre, half: gate.half });
+                            let threshold = surroundings.scan_threshold(cells, self.rules.gate_false_plots);
+                            (first.join(&second).join(&third), threshold.max(self.detector.threshold))
+                        };
+                        let mut regions: Vec<(Region, f64)> = if mht {
+                            hypotheses
+                                .filters()
+                                .map(|filter| joined(&filter.predict(&chain, &self.motion, 1.0)))
+                                .collect()
+                        } else {
+                            vec![joined(&prediction)]
+                        };
+                        regions.sort_by(|a, b| a.1.total_cmp(&b.1));
+                        for (index, (region, threshold)) in regions.iter().enumerate() {
+                            let from = self.plots.len();
+                            add_false_plots(region, *threshold, &mut rng, &mut self.plots);
+                            let mut count = 0;
+                            self.plots.retain(|plot| {
+                                count += 1;
+                                count <= from || !regions[..index].iter().any(|(earlier, _)| earlier.holds(&plot.polar))
+                            });
                         }
-                        let threshold = surroundings.scan_threshold(largest, self.rules.gate_false_plots);
-                        add_false_plots(&all, threshold.max(self.detector.threshold), &mut rng, &mut self.plots);
                     }
                 }
             }

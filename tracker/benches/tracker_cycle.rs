@@ -70,7 +70,7 @@ fn tracker_cycle(criterion: &mut Criterion) {
         radar: &radar,
         detection_probability: target.detection_probability,
         target: Some(&target),
-        rivals: &[],
+        shares: &[],
         clutter: |_: &[f64; COORDINATES]| FalsePlots { density: 1e-8, mean_excess: 0.0 },
     };
     let chain = transition(0.9, 1.0);

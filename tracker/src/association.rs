@@ -106,8 +106,8 @@ pub struct Surroundings<'a, F> {
     pub detection_probability: f64,
     /// Statistics of the target's power; without, λ = 1.
     pub target: Option<&'a TargetStatistics>,
-    /// By plot: density of other tracks' claims over that of clutter, see [`crate::joint`]; empty without.
-    pub rivals: &'a [f64],
+    /// What each plot is worth among other tracks that want it, see [`crate::joint`]; empty without.
+    pub shares: &'a [f64],
     /// The clutter at (r, β, ε, ṙ).
     pub clutter: F,
 }
@@ -125,6 +125,11 @@ impl<F> Surroundings<'_, F> {
             }
             _ => 0.0,
         }
+    }
+
+    /// Share of a plot, 1 without rivals.
+    pub fn share(&self, plot: usize) -> f64 {
+        self.shares.get(plot).copied().unwrap_or(1.0)
     }
 
     /// D for plots of at least `threshold`.
@@ -265,8 +270,7 @@ pub fn weigh<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
             _ => 1.0,
         };
         candidate.alone = if parametric { ratio * reference / here.density } else { ratio };
-        let rivals = surroundings.rivals.get(candidate.plot).copied().unwrap_or(0.0);
-        candidate.ratio = candidate.alone / (1.0 + rivals);
+        candidate.ratio = candidate.alone * surroundings.share(candidate.plot);
     }
     let better = |a: &Candidate, b: &Candidate| match rules.association {
         Association::Nearest => a.distance < b.distance,

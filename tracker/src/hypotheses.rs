@@ -190,10 +190,10 @@ impl Hypotheses {
             for (candidate, density) in own.candidates.iter().zip(densities) {
                 let plot = &plots[candidate.plot];
                 let ratio = *density * surroundings.ratio_to_noise(plot, rules);
-                let rivals = surroundings.rivals.get(candidate.plot).copied().unwrap_or(0.0);
+                let shared = ratio * surroundings.share(candidate.plot);
                 alone += prior * ratio;
-                evidence += prior * ratio / (1.0 + rivals);
-                let ln_weight = hypothesis.ln_weight + (ratio / (1.0 + rivals)).ln();
+                evidence += prior * shared;
+                let ln_weight = hypothesis.ln_weight + shared.ln();
                 if ln_weight > f64::NEG_INFINITY {
                     children.push(Child { ln_weight, parent, plot: Some(candidate.plot) });
                 }

@@ -1,14 +1,15 @@
-//! Plots that several tracks could have caused: the linear multi-target approximation.
+//! Plots that several tracks could have caused: joint events without coalescence.
 //!
-//! To a track τ a plot that is probably another target's is as good as clutter. With p_mσ the density of
-//! plot m predicted by track σ,
+//! With g_σm = r_σ D p_σm λ_m/ρ_m the likelihood ratio of "plot m is track σ's" to "it is false", and b_σ = 1 − r_σ D, a joint event
+//! gives every track a plot of its own or none; its weight is the product of g and b. To track τ a plot is worth
 //! ```text
-//! P_mσ = r_σ D p_mσ λ_m/ρ_m / (1 − D P_G + D Σ_l p_lσ λ_l/ρ_l)        prior probability that m is σ's
-//! Ω_m  = ρ_m + Σ_(σ≠τ) p_mσ λ_m P_mσ/(1 − P_mσ)                      density in place of ρ_m for τ
+//! share_m = [Σ events with τ → m] / g_τm  :  [Σ events with τ → none] / b_τ
 //! ```
-//! at a cost that is linear in the number of tracks, where enumerating joint events is exponential.
-//! Source: Mušicki & La Scala (2008). The predictions of all tracks are those before the scan, so the order
-//! of processing does not matter.
+//! of what it would be worth to τ alone. Of the events in which the same tracks are detected by the same plots, only the best
+//! permutation counts: without that, PDA draws tracks of near targets together (Blom & Bloem 2000, JPDA*).
+//!
+//! Only plots that τ itself could have caused take part, and what a rival finds elsewhere counts as none: so events
+//! stay few. The predictions of all tracks are those before the scan, so the order of processing does not matter.
 
 use std::f64::consts::TAU;
 
@@ -16,22 +17,31 @@ use common::amplitude::TargetStatistics;
 
 use crate::association::FalsePlots;
 use crate::gate::Radar;
+use crate::imm::Imm;
 use crate::measurement::{COORDINATES, Expected, Measurement};
 use crate::motion::{CONSTANT_VELOCITY, MODES};
 use crate::track::{LiveTrack, Passage};
 
-/// Largest P_mσ: a track is never quite sure of a plot.
-const SUREST: f64 = 0.98;
-
+/// Rivals that are taken into account at once: those that claim most.
+const MOST_RIVALS: usize = 3;
+/// Plots that are shared out at once: those that are most probably τ's.
+const MOST_PLOTS: usize = 8;
+/// g below which a plot is not τ's.
+const LEAST_RATIO: f64 = 1e-3;
+/// g that a single plot can have at most.
+const MOST_RATIO: f64 = 1e100;
 /// Tracks nearer than this may want the same plots, cells of range.
 const RIVAL_CELLS: f64 = 5.0;
 /// Passages nearer than this belong to the same turn, turns.
 const RIVAL_TURNS: f64 = 0.4;
-/// A track that competes for plots.
+
+/// A track that wants plots.
 #[derive(Debug, Clone, Copy)]
-pub struct Rival<'a> {
+pub struct Claimant<'a> {
     /// What it expects of this turn.
-    pub passage: &'a Passage,
+    pub prediction: &'a Imm,
+    /// When, ns UTC.
+    pub time_ns: u64,
     /// r.
     pub existence: f64,
     /// D.
@@ -40,43 +50,166 @@ pub struct Rival<'a> {
     pub target: Option<&'a TargetStatistics>,
 }
 
-/// Turns `extra` (one per plot) into Σ_σ p_mσ λ_m/ρ_m · P_mσ/(1 − P_mσ) by adding the part of `rival`.
-/// `scratch` is reused.
-pub fn add_rival(
-    rival: &Rival<'_>,
-    plots: &[Measurement],
-    clutter: impl Fn(&[f64; COORDINATES]) -> FalsePlots,
-    inflation: f64,
-    extra: &mut [f64],
-    scratch: &mut Vec<f64>,
-) {
-    let prediction = &rival.passage.prediction;
-    let expected: [Expected; MODES] = std::array::from_fn(|j| Expected::new(j, &prediction.modes[j]));
-    scratch.clear();
-    for plot in plots {
-        let offset_s = common::units::seconds_between(rival.passage.time_ns, plot.time_ns);
-        let mut density = 0.0;
-        for (expected, weight) in expected.iter().zip(prediction.probability) {
-            if let Some(likelihood) = expected.likelihood(plot, inflation) {
-                let d = expected.innovation(plot, offset_s);
-                let y = likelihood.solve(d);
-                let square: f64 = d.iter().zip(y).map(|(d, y)| d * y).sum();
-                density += weight * (likelihood.ln_peak - 0.5 * square).exp();
+/// Room for sharing out plots, reused.
+#[derive(Debug, Default)]
+pub struct Sharing {
+    /// g of the plots at hand for τ.
+    own: Vec<f64>,
+    /// Indices of the plots that are shared out.
+    wanted: Vec<usize>,
+    claims: Vec<Claim>,
+    events: Vec<Event>,
+}
+
+/// What one track has to do with the plots that are shared out.
+#[derive(Debug, Clone, Copy)]
+struct Claim {
+    /// b, what it finds elsewhere included.
+    none: f64,
+    /// g by wanted plot.
+    ratio: [f64; MOST_PLOTS],
+}
+
+/// A joint event: which tracks are detected, by which plots, and what τ gets.
+#[derive(Debug, Clone, Copy)]
+struct Event {
+    detected: u32,
+    plots: u32,
+    weight: f64,
+    /// Index of τ's plot; `MOST_PLOTS` for none.
+    own: usize,
+}
+
+impl Sharing {
+    /// Replaces `shares` (one per plot, 1 where nobody else is concerned) by what each of `plots` is worth to `own` among `rivals`.
+    pub fn share<'a>(
+        &mut self,
+        own: &Claimant<'_>,
+        rivals: impl Iterator<Item = Claimant<'a>>,
+        plots: &[Measurement],
+        clutter: impl Fn(&[f64; COORDINATES]) -> FalsePlots,
+        inflation: f64,
+        shares: &mut Vec<f64>,
+    ) {
+        shares.clear();
+        let mut rivals = rivals.peekable();
+        if plots.is_empty() || rivals.peek().is_none() {
+            return;
+        }
+        own.ratios(plots, &clutter, inflation, &mut self.own);
+        self.wanted.clear();
+        self.wanted.extend((0..plots.len()).filter(|&m| self.own[m] > LEAST_RATIO));
+        let by_own = &self.own;
+        self.wanted.sort_unstable_by(|&a, &b| by_own[b].total_cmp(&by_own[a]).then(a.cmp(&b)));
+        self.wanted.truncate(MOST_PLOTS);
+        self.claims.clear();
+        self.claims.push(Claim::new(own, &self.own, &self.wanted));
+        for rival in rivals {
+            rival.ratios(plots, &clutter, inflation, &mut self.own);
+            let claim = Claim::new(&rival, &self.own, &self.wanted);
+            if claim.strength() > LEAST_RATIO {
+                self.claims.push(claim);
             }
         }
-        let here = clutter(&plot.polar);
-        let ratio = match rival.target {
-            Some(target) if plot.has_power => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
-            _ => 1.0,
+        if self.claims.len() < 2 {
+            return;
+        }
+        self.claims[1..].sort_unstable_by(|a, b| b.strength().total_cmp(&a.strength()));
+        self.claims.truncate(1 + MOST_RIVALS);
+        self.events.clear();
+        extend(
+            &self.claims,
+            self.wanted.len(),
+            Event { detected: 0, plots: 0, weight: 1.0, own: MOST_PLOTS },
+            0,
+            &mut self.events,
+        );
+        keep_best_permutations(&mut self.events);
+        let own = self.claims[0];
+        let mut sums = [0.0; MOST_PLOTS + 1];
+        for event in &self.events {
+            sums[event.own] += event.weight;
+        }
+        let none = sums[MOST_PLOTS] / own.none;
+        shares.resize(plots.len(), 1.0);
+        for (index, &plot) in self.wanted.iter().enumerate() {
+            let share = sums[index] / own.ratio[index] / none;
+            shares[plot] = if share.is_finite() { share } else { 1.0 };
+        }
+    }
+}
+
+impl Claimant<'_> {
+    /// g of every plot.
+    fn ratios(
+        &self,
+        plots: &[Measurement],
+        clutter: &impl Fn(&[f64; COORDINATES]) -> FalsePlots,
+        inflation: f64,
+        ratios: &mut Vec<f64>,
+    ) {
+        let expected: [Expected; MODES] = std::array::from_fn(|j| Expected::new(j, &self.prediction.modes[j]));
+        ratios.clear();
+        ratios.extend(plots.iter().map(|plot| {
+            let offset_s = common::units::seconds_between(self.time_ns, plot.time_ns);
+            let mut density = 0.0;
+            for (expected, weight) in expected.iter().zip(self.prediction.probability) {
+                if let Some(likelihood) = expected.likelihood(plot, inflation) {
+                    let d = expected.innovation(plot, offset_s);
+                    density += weight * likelihood.ln_density(d, likelihood.solve(d)).exp();
+                }
+            }
+            let here = clutter(&plot.polar);
+            let ratio = match self.target {
+                Some(target) if plot.has_power => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
+                _ => 1.0,
+            };
+            (self.existence * self.detection_probability * density * ratio / here.density).min(MOST_RATIO)
+        }));
+    }
+}
+
+impl Claim {
+    fn new(claimant: &Claimant<'_>, ratios: &[f64], wanted: &[usize]) -> Self {
+        let mut ratio = [0.0; MOST_PLOTS];
+        for (own, &plot) in ratio.iter_mut().zip(wanted) {
+            *own = ratios[plot];
+        }
+        let elsewhere: f64 =
+            ratios.iter().enumerate().filter(|(plot, _)| !wanted.contains(plot)).map(|(_, ratio)| ratio).sum();
+        Self { none: 1.0 - claimant.existence * claimant.detection_probability + elsewhere, ratio }
+    }
+
+    /// How probably it takes one of the plots that are shared out.
+    fn strength(&self) -> f64 {
+        let sum: f64 = self.ratio.iter().sum();
+        sum / (self.none + sum)
+    }
+}
+
+/// All events of the tracks from `track` on, appended to what `event` says of those before.
+fn extend(claims: &[Claim], plots: usize, event: Event, track: usize, events: &mut Vec<Event>) {
+    let Some(claim) = claims.get(track) else {
+        events.push(event);
+        return;
+    };
+    extend(claims, plots, Event { weight: event.weight * claim.none, ..event }, track + 1, events);
+    for plot in (0..plots).filter(|plot| event.plots & (1 << plot) == 0 && claim.ratio[*plot] > 0.0) {
+        let next = Event {
+            detected: event.detected | 1 << track,
+            plots: event.plots | 1 << plot,
+            weight: event.weight * claim.ratio[plot],
+            own: if track == 0 { plot } else { event.own },
         };
-        scratch.push((density * ratio / here.density).min(1e100));
+        extend(claims, plots, next, track + 1, events);
     }
-    let d = rival.detection_probability;
-    let total = 1.0 - d + d * scratch.iter().sum::<f64>();
-    for (extra, ratio) in extra.iter_mut().zip(scratch.iter()) {
-        let prior = (rival.existence * d * ratio / total).min(SUREST);
-        *extra += ratio * prior / (1.0 - prior);
-    }
+}
+
+/// Of events with the same tracks and the same plots only the one of the largest weight.
+fn keep_best_permutations(events: &mut Vec<Event>) {
+    let key = |event: &Event| (event.detected, event.plots);
+    events.sort_unstable_by(|a, b| key(a).cmp(&key(b)).then(b.weight.total_cmp(&a.weight)).then(a.own.cmp(&b.own)));
+    events.dedup_by(|next, kept| key(next) == key(kept));
 }
 
 /// The confirmed tracks that may want the same plots as track `index` in this turn, with what they expect of it.

@@ -11,7 +11,7 @@ use crate::amplitude::Amplitude;
 use crate::clutter_map::ClutterMap;
 use crate::gate::Radar;
 use crate::initiation::Reach;
-use crate::joint::Rival;
+use crate::joint::Claimant;
 use crate::measurement::Measurement;
 use crate::track::{Kinematics, LiveTrack, Passage};
 
@@ -97,10 +97,16 @@ impl Site {
         self.threshold_is_known.then(|| amplitude.statistics())
     }
 
-    /// A track as one that competes for plots.
-    pub(crate) fn rival<'a>(&self, config: &TrackerConfig, track: &'a LiveTrack, passage: &'a Passage) -> Rival<'a> {
-        Rival {
-            passage,
+    /// A track as one that wants plots.
+    pub(crate) fn claimant<'a>(
+        &self,
+        config: &TrackerConfig,
+        track: &'a LiveTrack,
+        passage: &'a Passage,
+    ) -> Claimant<'a> {
+        Claimant {
+            prediction: &passage.prediction,
+            time_ns: passage.time_ns,
             existence: track.life.existence,
             detection_probability: self.detection_probability(config, &track.amplitude),
             target: self.statistics(&track.amplitude),

@@ -22,7 +22,7 @@ use common::units::seconds_between;
 use crate::amplitude::Amplitude;
 use crate::association::{Rules, Surroundings};
 use crate::initiation::Reach;
-use crate::joint::{add_rival, rivals_of};
+use crate::joint::{Sharing, rivals_of};
 use crate::life::Life;
 use crate::measurement::{COORDINATES, Measurement};
 use crate::motion::MODES;
@@ -77,9 +77,9 @@ pub struct Tracker {
     due: Vec<usize>,
     /// Plots and weights of the track at hand, reused.
     claims: Vec<(usize, f64)>,
-    /// Other tracks' claims to the plots at hand, reused.
-    rivals: Vec<f64>,
-    scratch: Vec<f64>,
+    /// What the plots at hand are worth among several tracks, reused.
+    shares: Vec<f64>,
+    sharing: Sharing,
     workspace: Workspace,
 }
 
@@ -101,8 +101,8 @@ impl Tracker {
             next_id: first_id,
             due: Vec::new(),
             claims: Vec::new(),
-            rivals: Vec::new(),
-            scratch: Vec::new(),
+            shares: Vec::new(),
+            sharing: Sharing::default(),
             workspace: Workspace::default(),
         })
     }
@@ -211,7 +211,7 @@ impl Tracker {
 
     /// One passage of one track.
     fn process(&mut self, index: usize, covered_rad: f64, site: &mut Site) {
-        let Self { config, rules, sweep, plots, tracks, workspace, claims, rivals, scratch, .. } = self;
+        let Self { config, rules, sweep, plots, tracks, workspace, claims, shares, sharing, .. } = self;
         let track = &mut tracks[index];
         // Whole turns may have been lost: the passage that counts is the last one covered.
         let lost_turns = ((covered_rad - track.next.due_rad()) / TAU).floor();
@@ -232,20 +232,19 @@ impl Tracker {
         let offered = plots.measurements(range.clone());
         let clutter = |polar: &[f64; COORDINATES]| site.clutter.at(polar, turn, None);
         let seen = sweep.has_seen(passage.angle_rad);
-        rivals.clear();
-        if config.joint_association && !offered.is_empty() {
-            for (other, expects) in rivals_of(index, tracks, &site.radar) {
-                rivals.resize(offered.len(), 0.0);
-                let rival = site.rival(config, other, expects);
-                add_rival(&rival, offered, clutter, rules.inflation, rivals, scratch);
-            }
+        shares.clear();
+        if config.joint_association {
+            let own = site.claimant(config, &tracks[index], &tracks[index].next);
+            let rivals =
+                rivals_of(index, tracks, &site.radar).map(|(rival, expects)| site.claimant(config, rival, expects));
+            sharing.share(&own, rivals, offered, clutter, rules.inflation, shares);
         }
         let track = &mut tracks[index];
         let surroundings = Surroundings {
             radar: &site.radar,
             detection_probability: site.detection_probability(config, &track.amplitude),
             target: site.statistics(&track.amplitude),
-            rivals,
+            shares,
             clutter,
         };
         let outcome = update(&passage.prediction, passage.time_ns, offered, &surroundings, rules, workspace);

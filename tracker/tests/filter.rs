@@ -88,7 +88,7 @@ fn long_run(config: &TrackerConfig, full: bool, scans: u32) {
             radar: &radar,
             detection_probability: target.detection_probability,
             target: Some(&target),
-            rivals: &[],
+            shares: &[],
             clutter: |_: &[f64; COORDINATES]| FalsePlots { density: 1e-9, mean_excess: 1.0 },
         };
         let prediction = imm.predict(&chain, &motion, 1.0);
@@ -137,7 +137,7 @@ proptest! {
                 radar: &radar,
                 detection_probability: target.detection_probability,
                 target: Some(&target),
-                rivals: &[],
+                shares: &[],
                 clutter: |_: &[f64; COORDINATES]| FalsePlots { density, mean_excess: 2.0 },
             };
             let prediction = imm.predict(&transition(0.9, step_s), &motion, step_s);

@@ -201,7 +201,7 @@ impl Check {
             radar: &radar,
             detection_probability: target.detection_probability,
             target: Some(&target),
-            rivals: &[],
+            shares: &[],
             clutter,
         };
         let mut workspace = Workspace::default();
