@@ -30,12 +30,32 @@ pub const GATE_MANOEUVRE: u32 = 3;
 /// [`Track::gate_code`]: several modes' gates together.
 pub const GATE_UNION: u32 = 4;
 
+/// Plots that [`Track::used`] has room for.
+pub const USED_PLOTS: usize = 6;
+
+/// A plot that took part in the last update of a track.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[type_name("radar/UsedPlot/1")]
+#[repr(C)]
+pub struct UsedPlot {
+    /// `seq` of the plots message that holds it.
+    pub seq: u64,
+    /// Its index in that message.
+    pub index: u32,
+    /// Probability that it is the track's.
+    pub weight: f32,
+    /// Bit j is set if it lies in the gate of mode j.
+    pub gates: u32,
+    /// Always 0: no undefined bytes.
+    pub reserved: u32,
+}
+
 /// State of one track at [`Track::time_ns`], in ENU about the antenna; m, m/s, m/s².
 ///
 /// Order of the states: [x ẋ ẍ y ẏ ÿ z ż z̈]. Covariances are packed upper triangles,
 /// row by row (see [`pack`]). Modes: 0 hover, 1 near-constant velocity, 2 manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
-#[type_name("radar/Track/1")]
+#[type_name("radar/Track/2")]
 #[repr(C)]
 pub struct Track {
     /// Time of the state: when the beam passed the track, ns UTC.
@@ -72,8 +92,6 @@ pub struct Track {
     pub state_code: u32,
     /// `GATE_…`: which gate was used.
     pub gate_code: u32,
-    /// `GATE_…` mask by mode: bit j is set if the best plot lies in the gate of mode j.
-    pub best_plot_gates: u32,
     /// Scans since the start of the track.
     pub age_scans: u32,
     /// Scans with a credible plot.
@@ -82,11 +100,11 @@ pub struct Track {
     pub misses: u32,
     /// Estimated signal-to-noise ratio of the target, dB.
     pub snr_db: f32,
-    /// Always 0: no undefined bytes.
-    pub reserved: u32,
+    /// The plots of the largest weights, in that order, and the gates in which they lay; weight 0 where there is none.
+    pub used: [UsedPlot; USED_PLOTS],
 }
 
-const _: () = assert!(size_of::<Track>() == 984 && align_of::<Track>() == 8);
+const _: () = assert!(size_of::<Track>() == 1120 && align_of::<Track>() == 8);
 
 impl Default for Track {
     fn default() -> Self {
@@ -107,12 +125,11 @@ impl Default for Track {
             plots_in_gate: 0,
             state_code: TENTATIVE,
             gate_code: GATE_NONE,
-            best_plot_gates: 0,
             age_scans: 0,
             hits: 0,
             misses: 0,
             snr_db: 0.0,
-            reserved: 0,
+            used: [UsedPlot::default(); USED_PLOTS],
         }
     }
 }

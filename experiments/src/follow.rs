@@ -131,7 +131,7 @@ impl Follower {
         for plot in [first, second] {
             amplitude.learn(plot.power, 1.0, &self.detector);
         }
-        let mut hypotheses = Hypotheses::new(posterior);
+        let mut hypotheses = Hypotheses::new(&posterior, self.config.hypotheses as usize);
         let chain = transition(self.config.stay_probability, 1.0);
         let mut record = RunRecord { scans: Vec::with_capacity(sights.len()), lost_at: None, strayed: false };
         let (mut outside, mut beyond) = (0, 0);
@@ -225,15 +225,7 @@ impl Follower {
             }
             let outcome = if mht {
                 hypotheses.predict(&chain, &self.motion, 1.0);
-                hypotheses.update(
-                    0,
-                    &self.plots,
-                    &surroundings,
-                    &self.rules,
-                    self.config.hypotheses as usize,
-                    &mut self.workspace,
-                    &mut self.room,
-                )
+                hypotheses.update(0, &self.plots, &surroundings, &self.rules, &mut self.workspace, &mut self.room)
             } else {
                 update(&prediction, 0, &self.plots, &surroundings, &self.rules, &mut self.workspace)
             };

@@ -35,9 +35,9 @@ struct Hypothesis {
 }
 
 impl Hypothesis {
-    fn new(ln_weight: f64, imm: Imm) -> Self {
+    fn new(ln_weight: f64, imm: &Imm) -> Self {
         let place = SVector::from_fn(|i, _| (0..MODES).map(|j| imm.probability[j] * imm.modes[j].mean[i]).sum());
-        Self { ln_weight, imm, place }
+        Self { ln_weight, imm: *imm, place }
     }
 }
 
@@ -54,6 +54,7 @@ struct Child {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hypotheses {
     kept: Vec<Hypothesis>,
+    most: usize,
 }
 
 /// Room for one update, reused.
@@ -74,9 +75,9 @@ struct Candidates {
 }
 
 impl Hypotheses {
-    /// One certain hypothesis.
-    pub fn new(imm: Imm) -> Self {
-        Self { kept: vec![Hypothesis::new(0.0, imm)] }
+    /// One certain hypothesis; at most `most` are kept after a scan.
+    pub fn new(imm: &Imm, most: usize) -> Self {
+        Self { kept: vec![Hypothesis::new(0.0, imm)], most }
     }
 
     /// Number of hypotheses.
@@ -101,7 +102,7 @@ impl Hypotheses {
         }
     }
 
-    /// One scan of predicted hypotheses, of which at most `most` are kept. The arguments are those of [`crate::update::update`],
+    /// One scan of predicted hypotheses. The arguments are those of [`crate::update::update`],
     /// and so is the outcome: its posterior is the mixture of all children by mode, and `workspace` holds every plot in
     /// any gate with the share of children that took it, alike for all modes.
     pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
@@ -110,7 +111,6 @@ impl Hypotheses {
         plots: &[Measurement],
         surroundings: &Surroundings<'_, F>,
         rules: &Rules,
-        most: usize,
         workspace: &mut Workspace,
         room: &mut Room,
     ) -> Outcome {
@@ -120,7 +120,7 @@ impl Hypotheses {
         room.children.sort_by(|a, b| b.ln_weight.total_cmp(&a.ln_weight));
         let least = room.children[0].ln_weight - DROPPED;
         room.children.retain(|child| child.ln_weight >= least);
-        room.children.truncate(CHILDREN_PER_KEPT * most);
+        room.children.truncate(CHILDREN_PER_KEPT * self.most);
         let total = ln_sum(room.children.iter().map(|child| child.ln_weight));
         let mut weight_none = 0.0;
         for child in &mut room.children {
@@ -133,7 +133,7 @@ impl Hypotheses {
         }
         self.bear(time_ns, plots, rules, room);
         let posterior = mixture(&room.born);
-        merge(&mut room.born, most, &mut self.kept);
+        merge(&mut room.born, self.most, &mut self.kept);
         let mut best: Option<(usize, f64)> = None;
         for (candidate, weight) in workspace.candidates.iter().zip(&workspace.weights) {
             if best.is_none_or(|(_, most)| weight[0] > most) {
@@ -223,8 +223,7 @@ impl Hypotheses {
                 }
                 reweight(&mut imm.probability, ln_likelihood);
             }
-            let imm = if imm.is_sound() { imm } else { parent.imm };
-            room.born.push(Hypothesis::new(child.ln_weight, imm));
+            room.born.push(Hypothesis::new(child.ln_weight, if imm.is_sound() { &imm } else { &parent.imm }));
         }
     }
 }
@@ -235,13 +234,12 @@ const CHILDREN_PER_KEPT: usize = 4;
 /// Adds to the share of a plot.
 fn note(plot: usize, weight: f64, plots: &[Measurement], time_ns: u64, workspace: &mut Workspace) {
     let Workspace { candidates, weights } = workspace;
-    match candidates.iter().position(|candidate| candidate.plot == plot) {
-        Some(index) => weights[index] = weights[index].map(|share| share + weight),
-        None => {
-            let offset_s = common::units::seconds_between(time_ns, plots[plot].time_ns);
-            candidates.push(Candidate { plot, offset_s, ratio: 1.0, alone: 1.0, distance: 0.0 });
-            weights.push([weight; MODES]);
-        }
+    if let Some(index) = candidates.iter().position(|candidate| candidate.plot == plot) {
+        weights[index] = weights[index].map(|share| share + weight);
+    } else {
+        let offset_s = common::units::seconds_between(time_ns, plots[plot].time_ns);
+        candidates.push(Candidate { plot, offset_s, ratio: 1.0, alone: 1.0, distance: 0.0 });
+        weights.push([weight; MODES]);
     }
 }
 
@@ -293,7 +291,7 @@ fn merge(born: &mut Vec<Hypothesis>, most: usize, kept: &mut Vec<Hypothesis>) {
         }
         let ln_weight = ln_sum(born[..cluster].iter().map(|hypothesis| hypothesis.ln_weight));
         let imm = if cluster == 1 { born[0].imm } else { mixture(&born[..cluster]) };
-        kept.push(Hypothesis::new(ln_weight, imm));
+        kept.push(Hypothesis::new(ln_weight, &imm));
         born.drain(..cluster);
         born.sort_by(|a, b| b.ln_weight.total_cmp(&a.ln_weight));
     }

@@ -4,14 +4,15 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use common::angle;
 use common::config::TrackerConfig;
-use common::tracks::{GATE_NONE, Track};
+use common::tracks::{GATE_NONE, Track, USED_PLOTS, UsedPlot};
 use common::units::seconds_between;
 
 use crate::amplitude::Amplitude;
 use crate::gate::{Gate, Radar};
+use crate::hypotheses::Hypotheses;
 use crate::imm::{Imm, transition};
 use crate::life::Life;
-use crate::measurement::{COORDINATES, Expected, Measurement};
+use crate::measurement::{Expected, Measurement};
 use crate::motion::{MODES, Motion};
 use crate::plot_store::Entry;
 use crate::state::at;
@@ -33,8 +34,8 @@ pub struct LastScan {
     pub weight_best: f64,
     /// `seq` and index of the best plot.
     pub best_plot: (u64, u32),
-    /// Modes in whose gate it lies.
-    pub best_plot_gates: u32,
+    /// The plots of the largest weights.
+    pub used: [UsedPlot; USED_PLOTS],
 }
 
 impl LastScan {
@@ -46,18 +47,30 @@ impl LastScan {
         weight_none: 1.0,
         weight_best: 0.0,
         best_plot: (0, u32::MAX),
-        best_plot_gates: 0,
+        used: [UsedPlot { seq: 0, index: 0, weight: 0.0, gates: 0, reserved: 0 }; USED_PLOTS],
     };
 
-    /// Of what a scan did to `prediction`; which message the best plot came in is not known here.
-    pub fn new(outcome: &Outcome, prediction: &Imm, offered: &[Measurement], radar: &Radar) -> Self {
-        let mut best_plot_gates = 0;
-        if let Some((best, _)) = outcome.best {
-            for (mode, prediction) in prediction.modes.iter().enumerate() {
-                let gate = Gate::new(&Expected::new(mode, prediction), radar, outcome.selection.gate.alpha);
-                let offset = gate.offset(&offered[best], &[0.0; COORDINATES]);
-                best_plot_gates |= u32::from(gate.holds(&offset, &offered[best])) << mode;
+    /// Of what a scan did to a track; `claims` are the indices of the plots in its gate, among those offered, and their weights;
+    /// `origin` tells `seq` and index of such a plot.
+    pub fn new(
+        outcome: &Outcome,
+        passage: &Passage,
+        claims: &[(usize, f64)],
+        offered: &[Measurement],
+        origin: impl Fn(usize) -> (u64, u32),
+        radar: &Radar,
+    ) -> Self {
+        let mut used = Self::EMPTY.used;
+        for &(plot, weight) in claims {
+            let weight = weight as f32;
+            if weight <= used[USED_PLOTS - 1].weight {
+                continue;
             }
+            let place = used.partition_point(|other| other.weight >= weight);
+            used[place..].rotate_right(1);
+            let ((seq, index), gates) =
+                (origin(plot), passage.gates_of(&offered[plot], outcome.selection.gate.alpha, radar));
+            used[place] = UsedPlot { seq, index, weight, gates, reserved: 0 };
         }
         Self {
             gate_code: outcome.selection.gate_code,
@@ -65,8 +78,8 @@ impl LastScan {
             plots_in_gate: outcome.plots_in_gate as u32,
             weight_none: outcome.weight_none,
             weight_best: outcome.best.map_or(0.0, |(_, weight)| weight),
-            best_plot_gates,
-            ..Self::EMPTY
+            best_plot: outcome.best.map_or(Self::EMPTY.best_plot, |(plot, _)| origin(plot)),
+            used,
         }
     }
 }
@@ -85,6 +98,18 @@ pub struct Passage {
 }
 
 impl Passage {
+    /// Mask of the modes in whose gates a plot lies.
+    fn gates_of(&self, plot: &Measurement, alpha: f64, radar: &Radar) -> u32 {
+        let offset_s = seconds_between(self.time_ns, plot.time_ns);
+        let mut mask = 0;
+        for (mode, predicted) in self.prediction.modes.iter().enumerate() {
+            let expected = Expected::new(mode, predicted);
+            let gate = Gate::new(&expected, radar, alpha);
+            mask |= u32::from(gate.holds(&gate.offset(plot, &expected.drift(offset_s)), plot)) << mode;
+        }
+        mask
+    }
+
     /// Angle at which all plots of the gates have arrived.
     pub fn due_rad(&self) -> f64 {
         self.angle_rad + self.half_width_rad
@@ -98,6 +123,8 @@ pub struct LiveTrack {
     pub id: u64,
     /// û, P̂, W at `time_ns`.
     pub posterior: Imm,
+    /// With (T21), the hypotheses whose mixture `posterior` is.
+    pub hypotheses: Option<Hypotheses>,
     /// Time of the last passage.
     pub time_ns: u64,
     /// Unwrapped beam angle of the last passage.
@@ -239,12 +266,11 @@ impl LiveTrack {
             plots_in_gate: self.last_scan.plots_in_gate,
             state_code: self.life.state,
             gate_code: self.last_scan.gate_code,
-            best_plot_gates: self.last_scan.best_plot_gates,
             age_scans: self.life.age,
             hits: self.life.hits,
             misses: self.life.misses,
             snr_db: self.amplitude.snr_db() as f32,
-            reserved: 0,
+            used: self.last_scan.used,
         }
     }
 }

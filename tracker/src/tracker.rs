@@ -12,7 +12,7 @@
 
 use std::f64::consts::TAU;
 
-use common::config::{ConfigError, TrackerConfig};
+use common::config::{Association, ConfigError, TrackerConfig};
 use common::health::{Reject, Rejected};
 use common::message::END_OF_STREAM;
 use common::plots::{Plot, PlotsHeader};
@@ -21,6 +21,8 @@ use common::units::seconds_between;
 
 use crate::amplitude::Amplitude;
 use crate::association::{Rules, Surroundings};
+use crate::hypotheses::{Hypotheses, Room};
+use crate::imm::transition;
 use crate::initiation::Reach;
 use crate::joint::{Sharing, rivals_of};
 use crate::life::Life;
@@ -81,6 +83,7 @@ pub struct Tracker {
     shares: Vec<f64>,
     sharing: Sharing,
     workspace: Workspace,
+    room: Room,
 }
 
 impl Tracker {
@@ -104,6 +107,7 @@ impl Tracker {
             shares: Vec::new(),
             sharing: Sharing::default(),
             workspace: Workspace::default(),
+            room: Room::default(),
         })
     }
 
@@ -211,7 +215,7 @@ impl Tracker {
 
     /// One passage of one track.
     fn process(&mut self, index: usize, covered_rad: f64, site: &mut Site) {
-        let Self { config, rules, sweep, plots, tracks, workspace, claims, shares, sharing, .. } = self;
+        let Self { config, rules, sweep, plots, tracks, workspace, room, claims, shares, sharing, .. } = self;
         let track = &mut tracks[index];
         // Whole turns may have been lost: the passage that counts is the last one covered.
         let lost_turns = ((covered_rad - track.next.due_rad()) / TAU).floor();
@@ -247,7 +251,14 @@ impl Tracker {
             shares,
             clutter,
         };
-        let outcome = update(&passage.prediction, passage.time_ns, offered, &surroundings, rules, workspace);
+        let outcome = match &mut track.hypotheses {
+            Some(hypotheses) => {
+                let step_s = seconds_between(track.time_ns, passage.time_ns).max(0.0);
+                hypotheses.predict(&transition(site.kinematics.stay, step_s), &site.kinematics.motion, step_s);
+                hypotheses.update(passage.time_ns, offered, &surroundings, rules, workspace, room)
+            }
+            None => update(&passage.prediction, passage.time_ns, offered, &surroundings, rules, workspace),
+        };
         let turns = ((passage.angle_rad - track.angle_rad) / TAU).round().max(1.0) as u32;
         if turns > 1 {
             track.life.pass(turns - 1, config);
@@ -262,17 +273,18 @@ impl Tracker {
             track.posterior = passage.prediction;
             track.life.pass(1, config);
         }
-        track.last_scan = LastScan::new(&outcome, &passage.prediction, offered, &site.radar);
         for (candidate, weights) in workspace.candidates.iter().zip(&workspace.weights) {
             let weight: f64 = (0..MODES).map(|j| track.posterior.probability[j] * weights[j]).sum();
             let plot = &offered[candidate.plot];
             if plot.has_power {
                 track.amplitude.learn(plot.power, weight, &site.detector);
             }
-            claims.push((range.start + candidate.plot, weight));
+            claims.push((candidate.plot, weight));
         }
-        for (index, weight) in claims.drain(..) {
-            let entry = plots.entry_mut(index);
+        let origin = |plot: usize| (plots.entry(range.start + plot).seq, plots.entry(range.start + plot).index);
+        track.last_scan = LastScan::new(&outcome, &passage, claims, offered, origin, &site.radar);
+        for (plot, weight) in claims.drain(..) {
+            let entry = plots.entry_mut(range.start + plot);
             entry.claimed = entry.claimed.max(weight * track.life.existence);
             if track.life.is_confirmed() {
                 entry.explained = entry.explained.max(weight);
@@ -280,7 +292,6 @@ impl Tracker {
         }
         if let Some((best, weight)) = outcome.best {
             let entry = plots.entry_mut(range.start + best);
-            track.last_scan.best_plot = (entry.seq, entry.index);
             track.note_best(entry, weight > MISS_WEIGHT || outcome.ratio_alone > 1.0);
         } else {
             track.shared = None;
@@ -362,6 +373,8 @@ impl Tracker {
         Some(LiveTrack {
             id,
             posterior,
+            hypotheses: (self.config.association == Association::Mht)
+                .then(|| Hypotheses::new(&posterior, self.config.hypotheses as usize)),
             time_ns,
             angle_rad,
             searched_to_rad: angle_rad,
