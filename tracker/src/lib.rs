@@ -19,6 +19,7 @@
 #![expect(clippy::needless_range_loop, reason = "one index into several arrays reads like the formula")]
 
 pub mod association;
+pub mod batch;
 pub mod clutter_map;
 pub mod gate;
 pub mod imm;
@@ -27,6 +28,7 @@ pub mod joint;
 pub mod life;
 pub mod measurement;
 pub mod motion;
+pub mod plot_index;
 pub mod plot_store;
 pub mod process;
 pub mod replay;

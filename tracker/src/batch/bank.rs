@@ -1,0 +1,242 @@
+//! Many tracks, scan by scan: the blocks, the index of the plots, and the choice of candidates by (T20).
+
+use crate::gate::own_probability;
+use crate::imm::{Imm, Transition};
+use crate::measurement::{COORDINATES, Measurement};
+use crate::motion::MODES;
+use crate::plot_index::{PlotIndex, Window};
+
+use common::angle;
+use common::units::seconds_between;
+use std::f64::consts::FRAC_PI_2;
+
+use super::block::Block;
+use super::candidates::Candidates;
+use super::expect::Expectation;
+use super::kernel::{Forecast, Kernel};
+use super::lanes::LANES;
+use super::predict::Step;
+use super::update::Weights;
+
+/// One scan as the bank takes it.
+#[derive(Debug, Clone, Copy)]
+pub struct Scan<'a> {
+    /// The plots.
+    pub plots: &'a [Measurement],
+    /// a = ℓ(q)/ρ(p) of each, m³·m/s.
+    pub gains: &'a [f64],
+    /// Time to predict to, ns.
+    pub time_ns: u64,
+    /// Since the scan before, s.
+    pub dt_s: f64,
+    /// Π over it.
+    pub transition: &'a Transition,
+}
+
+/// How a track looks at the scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Offer {
+    /// t: plots with q below it do not count.
+    pub threshold: f64,
+    /// D, probability of detection with this threshold.
+    pub detection_probability: f64,
+}
+
+/// What a block was given and made of it, for the caller to read.
+#[derive(Debug, Clone, Copy)]
+pub struct Passed<'a> {
+    /// Number of the track in lane 0.
+    pub first: usize,
+    /// Lanes in use.
+    pub lanes: usize,
+    /// Predictions, expectations and gates.
+    pub forecast: &'a Forecast,
+    /// L_j, w_jm, w_j0.
+    pub weights: &'a Weights,
+    /// Plot of each slot, by lane.
+    pub plots: &'a [Vec<u32>; LANES],
+    /// û, P̂, W.
+    pub posterior: &'a Block,
+}
+
+/// Tracks at a common time.
+#[derive(Debug)]
+pub struct Bank {
+    kernel: Kernel,
+    blocks: Vec<Block>,
+    len: usize,
+    index: PlotIndex,
+    forecast: Forecast,
+    candidates: Candidates,
+    weights: Weights,
+    chosen: [Vec<u32>; LANES],
+}
+
+impl Bank {
+    /// No tracks.
+    pub fn new(kernel: Kernel) -> Self {
+        Self {
+            kernel,
+            blocks: Vec::new(),
+            len: 0,
+            index: PlotIndex::default(),
+            forecast: Forecast::default(),
+            candidates: Candidates::default(),
+            weights: Weights::default(),
+            chosen: Default::default(),
+        }
+    }
+
+    /// Adds a track.
+    pub fn push(&mut self, track: &Imm) {
+        let lane = self.len % LANES;
+        if lane == 0 {
+            self.blocks.push(Block::default());
+        }
+        if let Some(block) = self.blocks.last_mut() {
+            block.load(lane, track);
+        }
+        self.len += 1;
+    }
+
+    /// Number of tracks.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// A track, by order of adding.
+    pub fn track(&self, index: usize) -> Imm {
+        assert!(index < self.len, "track {index} of {}", self.len);
+        self.blocks[index / LANES].store(index % LANES)
+    }
+
+    /// One scan of all tracks. `offer` is asked for each track, given U, and `passed` is told of each block.
+    pub fn scan(
+        &mut self,
+        scan: &Scan<'_>,
+        mut offer: impl FnMut(usize, f64) -> Offer,
+        mut passed: impl FnMut(Passed<'_>),
+    ) {
+        let Self { kernel, blocks, len, index, forecast, candidates, weights, chosen } = self;
+        index.build(scan.plots);
+        let reach = Reach::of(scan, kernel.alpha);
+        let step = Step::splat(scan.dt_s, scan.transition);
+        let own = own_probability(kernel.alpha, kernel.radar.dimensions());
+        for (number, block) in blocks.iter_mut().enumerate() {
+            let first = number * LANES;
+            let lanes = LANES.min(*len - first);
+            kernel.predict(block, &step, forecast);
+            candidates.clear();
+            for lane in 0..lanes {
+                let offer = offer(first + lane, forecast.cells(lane));
+                candidates.set_none(lane, [1.0 - offer.detection_probability * own; MODES]);
+                let gates = Gates::new(forecast, lane, &reach);
+                chosen[lane].clear();
+                for &near in index.near(&gates.window).flatten() {
+                    let plot = &scan.plots[near as usize];
+                    let offset_s = seconds_between(scan.time_ns, plot.time_ns);
+                    if plot.power >= offer.threshold && gates.hold(plot, offset_s) {
+                        candidates.add(lane, plot, offset_s, scan.gains[near as usize]);
+                        chosen[lane].push(near);
+                    }
+                }
+            }
+            kernel.update(forecast, candidates, weights, block);
+            passed(Passed { first, lanes, forecast, weights, plots: chosen, posterior: block });
+        }
+    }
+}
+
+/// How far from a gate's centre a plot of the scan may lie and still be inside.
+struct Reach {
+    square_alpha: f64,
+    /// Largest α²σ² of r and β.
+    variance: [f64; 2],
+    /// Largest time offset, s.
+    offset_s: f64,
+}
+
+impl Reach {
+    fn of(scan: &Scan<'_>, alpha: f64) -> Self {
+        let mut reach = Self { square_alpha: alpha * alpha, variance: [0.0; 2], offset_s: 0.0 };
+        for plot in scan.plots {
+            for i in 0..2 {
+                reach.variance[i] = reach.variance[i].max(reach.square_alpha * plot.variance[i]);
+            }
+            reach.offset_s = reach.offset_s.max(seconds_between(scan.time_ns, plot.time_ns).abs());
+        }
+        reach
+    }
+}
+
+/// The gate of one mode of one track.
+#[derive(Clone, Copy)]
+struct Gate {
+    centre: [f64; COORDINATES],
+    drift: [f64; COORDINATES],
+    /// α² p*.
+    square: [f64; COORDINATES],
+}
+
+/// The gates of one track, the manoeuvre mode's first: it is seldom not the widest.
+struct Gates {
+    modes: [Gate; MODES],
+    square_alpha: f64,
+    window: Window,
+}
+
+impl Gates {
+    fn new(forecast: &Forecast, lane: usize, reach: &Reach) -> Self {
+        let modes = [
+            Gate::new(&forecast.manoeuvre, lane, reach.square_alpha),
+            Gate::new(&forecast.constant_velocity, lane, reach.square_alpha),
+            Gate::new(&forecast.hover, lane, reach.square_alpha),
+        ];
+        let middle = modes[0].centre[1];
+        let mut range_m = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut half_azimuth_rad = 0.0_f64;
+        for mode in &modes {
+            let half = [0, 1].map(|i| (mode.square[i] + reach.variance[i]).sqrt());
+            let moved = [0, 1].map(|i| (mode.drift[i] * reach.offset_s).abs());
+            let half_r = half[0] + moved[0];
+            range_m = [range_m[0].min(mode.centre[0] - half_r), range_m[1].max(mode.centre[0] + half_r)];
+            half_azimuth_rad = half_azimuth_rad
+                .max(angle::difference(mode.centre[1], middle).abs() + half[1].min(FRAC_PI_2) + moved[1]);
+        }
+        let window = Window { azimuth_rad: middle, half_azimuth_rad, range_m };
+        Self { modes, square_alpha: reach.square_alpha, window }
+    }
+
+    /// Whether `plot` lies in any of them (T9).
+    fn hold(&self, plot: &Measurement, offset_s: f64) -> bool {
+        let square = plot.variance.map(|variance| self.square_alpha * variance);
+        self.modes.iter().any(|gate| gate.holds(plot, &square, offset_s))
+    }
+}
+
+impl Gate {
+    fn new<const N: usize>(expected: &Expectation<N>, lane: usize, square_alpha: f64) -> Self {
+        let of = |rows: &[super::lanes::Row; COORDINATES]| rows.map(|row| row.0[lane]);
+        Self {
+            centre: of(&expected.centre),
+            drift: of(&expected.drift),
+            square: of(&expected.variance).map(|p| square_alpha * p),
+        }
+    }
+
+    /// `square` is α² σ² of the plot. As [`crate::gate::Gate::holds`].
+    fn holds(&self, plot: &Measurement, square: &[f64; COORDINATES], offset_s: f64) -> bool {
+        [0, 1, 3, 2].into_iter().all(|i| {
+            let centre = self.centre[i] + self.drift[i] * offset_s;
+            let offset =
+                if i == 1 { angle::difference(plot.polar[1], centre) } else { plot.polar[i] - centre };
+            !plot.measured[i]
+                || (offset * offset <= self.square[i] + square[i] && (i != 1 || offset.abs() <= FRAC_PI_2))
+        })
+    }
+}
