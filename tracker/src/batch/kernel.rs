@@ -54,6 +54,12 @@ impl Kernel {
         Self { arch: Arch::new(), motion, radar, alpha, inflation }
     }
 
+    /// With other instructions than the machine's best, to compare.
+    #[must_use]
+    pub fn on(self, arch: Arch) -> Self {
+        Self { arch, ..self }
+    }
+
     /// Prediction by `step`, expected measurements and gates.
     pub fn predict(&self, posterior: &Block, step: &Step, forecast: &mut Forecast) {
         self.arch.dispatch(Predict { kernel: self, posterior, step, forecast });
