@@ -23,7 +23,7 @@ const MOST_BINS: usize = 4096;
 /// An interval of azimuth and one of range, closed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
-    /// Middle of the azimuth interval, rad; wrapped at north.
+    /// Middle of the azimuth interval, rad, in [0, 2π).
     pub azimuth_rad: f64,
     /// Half its width, rad; π and more is the whole circle.
     pub half_azimuth_rad: f64,
@@ -94,11 +94,10 @@ impl PlotIndex {
         } else if half >= PI {
             (0, rows)
         } else {
-            // A bin less than none on the left is the last one.
-            let first = ((window.azimuth_rad - half) * self.per_unit[0]).floor();
-            let last = ((window.azimuth_rad + half) * self.per_unit[0]).floor();
-            let count = ((last - first) as usize + 1).min(rows);
-            ((first as i64).rem_euclid(rows as i64) as usize, count)
+            // A turn ahead, so that the window's left end is not below zero and truncation is the floor.
+            let first = ((window.azimuth_rad - half + TAU) * self.per_unit[0]) as usize;
+            let last = ((window.azimuth_rad + half + TAU) * self.per_unit[0]) as usize;
+            (first % rows, (last - first + 1).min(rows))
         };
         let (nearest, farthest) = (self.range_bin(from_m - MARGIN), self.range_bin(to_m + MARGIN));
         (0..count).map(move |step| {
@@ -164,7 +163,8 @@ mod tests {
 
     #[test]
     fn a_window_across_north_looks_at_few_plots() {
-        let plots: Vec<Measurement> = (0..10_000).map(|k| plot(1e3 + f64::from(k % 97), f64::from(k) * TAU / 1e4)).collect();
+        let plots: Vec<Measurement> =
+            (0..10_000).map(|k| plot(1e3 + f64::from(k % 97), f64::from(k) * TAU / 1e4)).collect();
         let mut index = PlotIndex::default();
         index.build(&plots);
         let window = Window { azimuth_rad: 0.001, half_azimuth_rad: 0.01, range_m: [1010.0, 1012.0] };

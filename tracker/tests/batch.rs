@@ -87,7 +87,8 @@ impl Flight {
         let place = Polar::from_enu(&self.position);
         let rate = range_rate_mps(&self.position, &self.velocity);
         let elevation_rad = if self.full { place.elevation_rad + normal(2) } else { 0.0 };
-        let polar = [(place.range_m + normal(0)).abs() + 1.0, place.azimuth_rad + normal(1), elevation_rad, rate + normal(3)];
+        let polar =
+            [(place.range_m + normal(0)).abs() + 1.0, place.azimuth_rad + normal(1), elevation_rad, rate + normal(3)];
         measurement(polar, scale, measured)
     }
 
@@ -146,7 +147,8 @@ fn a_pass_is_the_plain_code() {
         let (full, lanes) = (run % 3 != 0, 1 + run as usize % LANES);
         let inflation = if run % 4 == 0 { 0.8 } else { 0.0 };
         let (radar, motion) = (radar(full), motion(full));
-        let kernel = Kernel::new(motion, radar, ALPHA, inflation).on(instructions()[run as usize % instructions().len()]);
+        let kernel =
+            Kernel::new(motion, radar, ALPHA, inflation).on(instructions()[run as usize % instructions().len()]);
         let mut flights: Vec<Flight> = (0..lanes).map(|_| Flight::new(&mut rng, full)).collect();
         let mut plain: Vec<Imm> = flights.iter().map(|flight| flight.start(&mut rng)).collect();
         let mut block = Block::default();
@@ -172,7 +174,12 @@ fn a_pass_is_the_plain_code() {
             let mut misses = vec![[0.0; MODES]; lanes];
             for lane in 0..lanes {
                 let prediction = &predictions[lane];
-                assert_same(&forecast.prediction.store(lane), prediction, prediction, &format!("prediction {run} {scan}"));
+                assert_same(
+                    &forecast.prediction.store(lane),
+                    prediction,
+                    prediction,
+                    &format!("prediction {run} {scan}"),
+                );
                 assert_expectation(&forecast, lane, prediction, &radar);
                 misses[lane] = std::array::from_fn(|_| rng.random_range(0.01..0.9));
                 offered.set_none(lane, misses[lane]);
@@ -180,7 +187,8 @@ fn a_pass_is_the_plain_code() {
                 for _ in 0..rng.random_range(0..9) {
                     let scale = if own_errors { rng.random_range(0.3..3.0) } else { 1.0 };
                     let missing = run % 2 == 0 && rng.random_range(0..4) == 0;
-                    let measured = [true, true, full && !(missing && scan % 2 == 0), full && !(missing && scan % 3 == 0)];
+                    let measured =
+                        [true, true, full && !(missing && scan % 2 == 0), full && !(missing && scan % 3 == 0)];
                     let spread = if rng.random_range(0..2) == 0 { 1.0 } else { 3.0 };
                     let plot = flights[lane].plot(&mut rng, spread, scale, measured);
                     let choice = Choice {
@@ -405,7 +413,8 @@ fn a_bank_is_the_plain_rule() {
             *plain = plain::update(&prediction, &choices, [miss; MODES], 0.0).imm;
             for j in 0..MODES {
                 // Rounding grows from scan to scan, and the order of the plots differs.
-                let same = disagreement(&bank.track(track).modes[j], &plain.modes[j], &prediction.modes[j], DIMENSIONS[j]);
+                let same =
+                    disagreement(&bank.track(track).modes[j], &plain.modes[j], &prediction.modes[j], DIMENSIONS[j]);
                 assert!(same < 1e-9, "{track} {scan} {j} {same:e}");
             }
         }

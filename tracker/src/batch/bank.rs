@@ -229,14 +229,17 @@ impl Gate {
         }
     }
 
-    /// `square` is α² σ² of the plot. As [`crate::gate::Gate::holds`].
+    /// `square` is α² σ² of the plot. As [`crate::gate::Gate::holds`], without branches: most plots asked about are inside.
     fn holds(&self, plot: &Measurement, square: &[f64; COORDINATES], offset_s: f64) -> bool {
-        [0, 1, 3, 2].into_iter().all(|i| {
-            let centre = self.centre[i] + self.drift[i] * offset_s;
-            let offset =
-                if i == 1 { angle::difference(plot.polar[1], centre) } else { plot.polar[i] - centre };
-            !plot.measured[i]
-                || (offset * offset <= self.square[i] + square[i] && (i != 1 || offset.abs() <= FRAC_PI_2))
-        })
+        let mut offset: [f64; COORDINATES] =
+            std::array::from_fn(|i| plot.polar[i] - (self.centre[i] + self.drift[i] * offset_s));
+        if offset[1].abs() > FRAC_PI_2 {
+            offset[1] = angle::difference(offset[1], 0.0);
+        }
+        let mut inside = offset[1].abs() <= FRAC_PI_2;
+        for i in 0..COORDINATES {
+            inside &= !plot.measured[i] | (offset[i] * offset[i] <= self.square[i] + square[i]);
+        }
+        inside
     }
 }

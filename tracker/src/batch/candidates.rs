@@ -86,6 +86,7 @@ impl Candidates {
     /// Adds a plot that the track in `lane` may have caused, `offset_s` after the time of the prediction. `gain` is
     /// a = ℓ(q)/ρ(p), m³·m/s.
     pub fn add(&mut self, lane: usize, plot: &Measurement, offset_s: f64, gain: f64) {
+        assert!(lane < LANES, "lane {lane} of {LANES}");
         let m = self.count[lane];
         self.count[lane] += 1;
         if m == self.slots.len() {

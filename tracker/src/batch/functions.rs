@@ -115,3 +115,61 @@ fn polynomial<S: Simd, const N: usize>(x: V<S>, coefficients: &[f64; N]) -> V<S>
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::lanes::{Lanes, Row};
+    use super::*;
+    use common::angle;
+    use proptest::prelude::*;
+    use pulp::{Arch, WithSimd};
+
+    /// e^x, azimuth and elevation of (x, y) in every lane.
+    struct All([Row; 2]);
+
+    impl WithSimd for All {
+        type Output = [Row; 3];
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> [Row; 3] {
+            let mut out = [Row::ZERO; 3];
+            for part in 0..Lanes::<S>::PARTS {
+                let lanes = Lanes::of(simd, part);
+                let [x, y] = lanes.all(&self.0);
+                lanes.put(&mut out[0], x.exp());
+                lanes.put(&mut out[1], x.azimuth(y));
+                lanes.put(&mut out[2], x.elevation(y.abs()));
+            }
+            out
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(5000))]
+        /// Against the standard library: four units in the last place.
+        #[test]
+        fn they_agree_with_the_library(
+            x in prop_oneof![-708.0..709.0_f64, -1.0..1.0_f64, -1e-9..1e-9_f64, Just(0.0)],
+            y in prop_oneof![-700.0..700.0_f64, -1.0..1.0_f64, Just(0.0)],
+        ) {
+            for arch in [Arch::new(), Arch::Scalar] {
+                let out = arch.dispatch(All([Row::splat(x), Row::splat(y)]));
+                let [exp, azimuth, elevation] = out.map(|row| row.0[7]);
+                prop_assert!((exp / x.exp() - 1.0).abs() < 4.0 * f64::EPSILON, "{x} {exp}");
+                let expected = if x == 0.0 && y == 0.0 { 0.0 } else { x.atan2(y) };
+                prop_assert!(angle::difference(azimuth, expected).abs() < 4.0 * f64::EPSILON * PI, "{x} {y} {azimuth}");
+                prop_assert!((0.0..2.0 * PI).contains(&azimuth));
+                let expected = x.atan2(y.abs());
+                prop_assert!((elevation - expected).abs() <= 4.0 * f64::EPSILON * expected.abs(), "{x} {y} {elevation}");
+            }
+        }
+    }
+
+    #[test]
+    fn exp_ends_in_zero_and_stays_finite() {
+        let out =
+            Arch::new().dispatch(All([Row([-1e300, -709.0, -708.0, 0.0, 709.0, 1e300, f64::NEG_INFINITY, 1.0]); 2]));
+        assert!(out[0].0[0] <= 0.0 && out[0].0[1] <= 0.0 && out[0].0[6] <= 0.0, "{out:?}");
+        assert!(out[0].0.iter().all(|e| e.is_finite()) && out[0].0[3] > 0.99);
+    }
+}

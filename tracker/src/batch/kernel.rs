@@ -68,13 +68,7 @@ impl Kernel {
     /// Association with `candidates` and update.
     ///
     /// A lane whose posterior would not be sound (a number that is not finite, a negative variance) keeps its prediction.
-    pub fn update(
-        &self,
-        forecast: &Forecast,
-        candidates: &Candidates,
-        weights: &mut Weights,
-        posterior: &mut Block,
-    ) {
+    pub fn update(&self, forecast: &Forecast, candidates: &Candidates, weights: &mut Weights, posterior: &mut Block) {
         if weights.plots.len() < candidates.slots() {
             weights.plots.resize(candidates.slots(), [Row::ZERO; MODES]);
         }

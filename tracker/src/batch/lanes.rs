@@ -130,10 +130,10 @@ impl<S: Simd> V<S> {
     #[inline(always)]
     pub(super) fn times_power_of_two(self, whole: Self) -> Self {
         let simd = self.0;
-        let exponent = simd.mul_u64s(simd.transmute_u64s_f64s(whole.1), simd.splat_u64s(1 << (f64::MANTISSA_DIGITS - 1)));
+        let exponent =
+            simd.mul_u64s(simd.transmute_u64s_f64s(whole.1), simd.splat_u64s(1 << (f64::MANTISSA_DIGITS - 1)));
         Self(simd, simd.transmute_f64s_u64s(simd.add_u64s(simd.transmute_u64s_f64s(self.1), exponent)))
     }
-
 }
 
 impl<S: Simd> Mask<S> {

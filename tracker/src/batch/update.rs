@@ -1,8 +1,10 @@
 //! The update of a block with all its candidates: (T8), (T14), (T20).
 //!
-//! As [`crate::update`], mode by mode. D = H P* Hᵀ + R is factored as L Δ Lᵀ, once for successive slots of the same errors:
+//! As [`crate::update`], mode by mode. D = H P* Hᵀ + R is inverted by halves (two divisions), once for successive
+//! slots of the same errors:
 //! ```text
-//! D⁻¹ = L⁻ᵀ Δ⁻¹ L⁻¹,   e_m = a_m (2π)^(−n/2) |D|^(−1/2) exp(−½ d_mᵀ y_m),   y_m = D⁻¹ d_m
+//! D = [A B; Bᵀ C],  W = A⁻¹ B,  S = C − Bᵀ W:   D⁻¹ = [A⁻¹ + W S⁻¹ Wᵀ, −W S⁻¹; ·, S⁻¹],   |D| = |A| |S|
+//! e_m = a_m (2π)^(−n/2) |D|^(−1/2) exp(−½ d_mᵀ y_m),   y_m = D⁻¹ d_m
 //! L_j = b_j + Σ_m e_m,   w_m = e_m/L_j,   w_0 = b_j/L_j                                          (T20)
 //! û = u* + B ȳ,   P̂ = P* + B [Σ_m w_m (y_m y_mᵀ − D⁻¹) − ȳ ȳᵀ] Bᵀ,   B = P* Hᵀ                  (T14)
 //! ```
@@ -166,59 +168,58 @@ fn is_set<S: Simd>(lanes: Lanes<S>, row: &Row) -> Mask<S> {
     lanes.splat(0.5).less(lanes.get(row))
 }
 
-/// D⁻¹ = L⁻ᵀ Δ⁻¹ L⁻¹ and (2π)⁻² |D|^(−1/2); both 0 where D is not positive definite.
+/// D⁻¹ and (2π)⁻² |D|^(−1/2), by halves; both 0 where D is not positive definite.
 #[inline(always)]
 fn invert<S: Simd>(lanes: Lanes<S>, d: &[V<S>; PACKED_4]) -> Likelihood<S> {
     let zero = lanes.splat(0.0);
-    // Rows of L and of M = L⁻¹ below the diagonal; `scaled` is L Δ.
-    let mut l = [[zero; COORDINATES]; COORDINATES];
-    let mut m = [[zero; COORDINATES]; COORDINATES];
-    let mut scaled = [[zero; COORDINATES]; COORDINATES];
-    let mut pivot = [zero; COORDINATES];
-    let mut per_pivot = [zero; COORDINATES];
-    for j in 0..COORDINATES {
-        pivot[j] = d[at(j, j)];
-        for i in 0..j {
-            scaled[j][i] = d[at(i, j)];
-            for k in 0..i {
-                scaled[j][i] -= scaled[j][k] * l[i][k];
-            }
-            l[j][i] = (scaled[j][i] * per_pivot[i]).rounded();
-            pivot[j] -= scaled[j][i] * l[j][i];
-        }
-        per_pivot[j] = pivot[j].inverse();
-        for i in 0..j {
-            m[j][i] = -l[j][i];
-            for k in i + 1..j {
-                m[j][i] -= l[j][k] * m[k][i];
-            }
-        }
+    let [a_00, a_01, a_11, ..] = *d;
+    let (a, a_determinant) = invert_half([a_00, a_01, a_11]);
+    // W = A⁻¹ B by rows; B is [d₃ d₆; d₄ d₇].
+    let b = [[d[3], d[6]], [d[4], d[7]]];
+    let mut w = [[zero; 2]; 2];
+    for j in 0..2 {
+        w[0][j] = a[0] * b[0][j] + a[1] * b[1][j];
+        w[1][j] = a[1] * b[0][j] + a[2] * b[1][j];
     }
-    // In pairs: the product of all four could leave the range of numbers where its root does not.
-    let root = (pivot[0] * pivot[1]).rounded().sqrt() * (pivot[2] * pivot[3]).rounded().sqrt();
-    let root = root.rounded();
-    let mut sound = root.is_positive();
-    for pivot in pivot {
-        sound = sound.and(pivot.is_positive());
+    let schur = [
+        d[5] - b[0][0] * w[0][0] - b[1][0] * w[1][0],
+        d[8] - b[0][0] * w[0][1] - b[1][0] * w[1][1],
+        d[9] - b[0][1] * w[0][1] - b[1][1] * w[1][1],
+    ];
+    let (s, s_determinant) = invert_half(schur);
+    let root = (a_determinant * s_determinant).rounded().sqrt();
+    let sound = a_00.is_positive().and(a_determinant.is_positive()).and(schur[0].is_positive());
+    let sound = sound.and(s_determinant.is_positive()).and(root.is_positive());
+    // V = W S⁻¹ by rows.
+    let mut v = [[zero; 2]; 2];
+    for i in 0..2 {
+        v[i][0] = w[i][0] * s[0] + w[i][1] * s[1];
+        v[i][1] = w[i][0] * s[1] + w[i][1] * s[2];
     }
-    let mut inverse = [zero; PACKED_4];
-    for j in 0..COORDINATES {
-        // Row j of Δ⁻¹ M, whose diagonal is Δ⁻¹.
-        for b in 0..=j {
-            let weighted = if b == j { per_pivot[j] } else { (per_pivot[j] * m[j][b]).rounded() };
-            for a in 0..=b {
-                if a == j {
-                    inverse[at(a, b)] += weighted;
-                } else {
-                    inverse[at(a, b)] += weighted * m[j][a];
-                }
-            }
-        }
-    }
+    let mut inverse = [
+        a[0] + v[0][0] * w[0][0] + v[0][1] * w[0][1],
+        a[1] + v[0][0] * w[1][0] + v[0][1] * w[1][1],
+        a[2] + v[1][0] * w[1][0] + v[1][1] * w[1][1],
+        -v[0][0],
+        -v[1][0],
+        s[0],
+        -v[0][1],
+        -v[1][1],
+        s[1],
+        s[2],
+    ];
     for element in &mut inverse {
         *element = sound.pick(*element, zero);
     }
     Likelihood { inverse, peak: sound.pick((root * lanes.splat(TAU * TAU)).rounded().inverse(), zero) }
+}
+
+/// Inverse and determinant of [a b; b c].
+#[inline(always)]
+fn invert_half<S: Simd>([a, b, c]: [V<S>; 3]) -> ([V<S>; 3], V<S>) {
+    let determinant = a * c - b * b;
+    let scale = determinant.inverse();
+    ([(c * scale).rounded(), -(b * scale).rounded(), (a * scale).rounded()], determinant)
 }
 
 /// d = y − h(u*), h moved to the plot's time; 0 where not measured.

@@ -49,20 +49,13 @@ pub(crate) fn is_inside(
     gates: &[Gate; MODES],
     expected: &[Expected; MODES],
 ) -> bool {
-    gates
-        .iter()
-        .zip(expected)
-        .any(|(gate, expected)| gate.holds(&gate.offset(plot, &expected.drift(offset_s)), plot))
+    gates.iter().zip(expected).any(|(gate, expected)| gate.holds(&gate.offset(plot, &expected.drift(offset_s)), plot))
 }
 
 /// Weights and moments, with every plot's own posterior written out (T8), (T14).
 pub(crate) fn update(prediction: &Imm, choices: &[Choice], miss: [f64; MODES], inflation: f64) -> Posterior {
-    let mut posterior = Posterior {
-        imm: *prediction,
-        likelihood: miss,
-        none: [1.0; MODES],
-        plots: vec![[0.0; MODES]; choices.len()],
-    };
+    let mut posterior =
+        Posterior { imm: *prediction, likelihood: miss, none: [1.0; MODES], plots: vec![[0.0; MODES]; choices.len()] };
     for (j, &n) in DIMENSIONS.iter().enumerate() {
         let prior = &prediction.modes[j];
         let expected = Expected::new(j, prior);
@@ -131,7 +124,8 @@ impl Term {
     fn new(expected: &Expected, likelihood: &Likelihood, choice: &Choice, n: usize) -> (f64, Self) {
         let d = expected.innovation(&choice.plot, choice.offset_s);
         let y = likelihood.solve(d);
-        let product = |a: &[f64; COORDINATES], b: &[f64; COORDINATES]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let product =
+            |a: &[f64; COORDINATES], b: &[f64; COORDINATES]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let e = choice.gain * (likelihood.ln_peak - 0.5 * product(&d, &y)).exp();
         let b = &expected.cross;
         let mut term = Self::none();
