@@ -238,7 +238,7 @@ impl Gate {
         }
         let mut inside = offset[1].abs() <= FRAC_PI_2;
         for i in 0..COORDINATES {
-            inside &= !plot.measured[i] | (offset[i] * offset[i] <= self.square[i] + square[i]);
+            inside &= !plot.measured[i] || offset[i] * offset[i] <= self.square[i] + square[i];
         }
         inside
     }

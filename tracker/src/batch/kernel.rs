@@ -12,7 +12,7 @@ use super::candidates::Candidates;
 use super::expect::{Expectation, expect};
 use super::lanes::{LANES, Lanes, Row, V};
 use super::predict::{Step, predict};
-use super::update::{Weights, update};
+use super::update::{Prior, Weights, update};
 
 /// What the modes of a block expect of the scan.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -123,27 +123,12 @@ impl WithSimd for Update<'_> {
         for part in 0..Lanes::<S>::PARTS {
             let lanes = Lanes::of(simd, part);
             let into = &mut *posterior;
-            update(lanes, HOVER, &from.hover, &expected.hover, candidates, *inflation, weights, &mut into.hover);
-            update(
-                lanes,
-                CONSTANT_VELOCITY,
-                &from.constant_velocity,
-                &expected.constant_velocity,
-                candidates,
-                *inflation,
-                weights,
-                &mut into.constant_velocity,
-            );
-            update(
-                lanes,
-                MANOEUVRE,
-                &from.manoeuvre,
-                &expected.manoeuvre,
-                candidates,
-                *inflation,
-                weights,
-                &mut into.manoeuvre,
-            );
+            let hover = Prior { predicted: &from.hover, expected: &expected.hover };
+            let steady = Prior { predicted: &from.constant_velocity, expected: &expected.constant_velocity };
+            let manoeuvre = Prior { predicted: &from.manoeuvre, expected: &expected.manoeuvre };
+            update(lanes, HOVER, hover, candidates, *inflation, weights, &mut into.hover);
+            update(lanes, CONSTANT_VELOCITY, steady, candidates, *inflation, weights, &mut into.constant_velocity);
+            update(lanes, MANOEUVRE, manoeuvre, candidates, *inflation, weights, &mut into.manoeuvre);
             reweight(lanes, from, weights, into);
             let soundness = [
                 soundness(lanes, &into.hover),

@@ -34,6 +34,15 @@ pub struct Weights {
     pub plots: Vec<[Row; MODES]>,
 }
 
+/// What is known of a mode before the scan.
+#[derive(Clone, Copy)]
+pub(super) struct Prior<'a, const N: usize, const P: usize> {
+    /// u*, P*.
+    pub(super) predicted: &'a Mode<N, P>,
+    /// h, P* H₄ᵀ.
+    pub(super) expected: &'a Expectation<N>,
+}
+
 /// D⁻¹ and the density at its peak, of some lanes.
 #[derive(Clone, Copy)]
 struct Likelihood<S: Simd> {
@@ -46,8 +55,7 @@ struct Likelihood<S: Simd> {
 pub(super) fn update<S: Simd, const N: usize, const P: usize>(
     lanes: Lanes<S>,
     j: usize,
-    predicted: &Mode<N, P>,
-    expected: &Expectation<N>,
+    prior: Prior<'_, N, P>,
     candidates: &Candidates,
     inflation: f64,
     weights: &mut Weights,
@@ -66,9 +74,9 @@ pub(super) fn update<S: Simd, const N: usize, const P: usize>(
                 spread[k] -= sharing * likelihood.inverse[k];
             }
             sharing = zero;
-            likelihood = factor(lanes, predicted, expected, slot, inflation);
+            likelihood = factor(lanes, prior, slot, inflation);
         }
-        let d = innovation(lanes, predicted, expected, slot);
+        let d = innovation(lanes, prior, slot);
         let y = solve(&likelihood.inverse, &d);
         let exponent = (dot(&d, &y) * lanes.splat(-0.5)).rounded();
         let e = (likelihood.peak * exponent.exp() * lanes.get(&slot.gain)).rounded();
@@ -105,18 +113,18 @@ pub(super) fn update<S: Simd, const N: usize, const P: usize>(
             spread[k] = sound.pick(mean, zero);
         }
     }
-    correct(lanes, predicted, expected, &y, &spread, posterior);
+    correct(lanes, prior, &y, &spread, posterior);
 }
 
 /// D⁻¹ and the peak of N(·; 0, D) for the plots of `slot`.
 #[inline(always)]
 fn factor<S: Simd, const N: usize, const P: usize>(
     lanes: Lanes<S>,
-    predicted: &Mode<N, P>,
-    expected: &Expectation<N>,
+    prior: Prior<'_, N, P>,
     slot: &Slot,
     inflation: f64,
 ) -> Likelihood<S> {
+    let Prior { predicted, expected } = prior;
     let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
     let mut d = [zero; PACKED_4];
     for k in 0..6 {
@@ -226,10 +234,10 @@ fn invert_half<S: Simd>([a, b, c]: [V<S>; 3]) -> ([V<S>; 3], V<S>) {
 #[inline(always)]
 fn innovation<S: Simd, const N: usize, const P: usize>(
     lanes: Lanes<S>,
-    predicted: &Mode<N, P>,
-    expected: &Expectation<N>,
+    prior: Prior<'_, N, P>,
     slot: &Slot,
 ) -> [V<S>; COORDINATES] {
+    let Prior { predicted, expected } = prior;
     let mut d = [lanes.splat(0.0); COORDINATES];
     let offset = lanes.get(&slot.offset_s);
     let half_square = (offset * offset * lanes.splat(0.5)).rounded();
@@ -268,19 +276,19 @@ fn solve<S: Simd>(s: &[V<S>; PACKED_4], d: &[V<S>; COORDINATES]) -> [V<S>; COORD
 #[inline(always)]
 fn correct<S: Simd, const N: usize, const P: usize>(
     lanes: Lanes<S>,
-    predicted: &Mode<N, P>,
-    expected: &Expectation<N>,
+    prior: Prior<'_, N, P>,
     y: &[V<S>; COORDINATES],
     spread: &[V<S>; PACKED_4],
     posterior: &mut Mode<N, P>,
 ) {
+    let predicted = prior.predicted;
     for j in 0..N {
-        let row = cross_row(lanes, predicted, expected, j);
+        let row = cross_row(lanes, prior, j);
         lanes.put(&mut posterior.mean[j], lanes.get(&predicted.mean[j]) + dot(&row, y));
         let moved = solve(spread, &row);
         for i in 0..=j {
             let k = at(i, j);
-            let other = cross_row(lanes, predicted, expected, i);
+            let other = cross_row(lanes, prior, i);
             lanes.put(&mut posterior.covariance[k], lanes.get(&predicted.covariance[k]) + dot(&other, &moved));
         }
     }
@@ -290,10 +298,10 @@ fn correct<S: Simd, const N: usize, const P: usize>(
 #[inline(always)]
 fn cross_row<S: Simd, const N: usize, const P: usize>(
     lanes: Lanes<S>,
-    predicted: &Mode<N, P>,
-    expected: &Expectation<N>,
+    prior: Prior<'_, N, P>,
     i: usize,
 ) -> [V<S>; COORDINATES] {
+    let Prior { predicted, expected } = prior;
     let p = &predicted.covariance;
     [lanes.get(&p[at(i, 0)]), lanes.get(&p[at(i, 1)]), lanes.get(&p[at(i, 2)]), lanes.get(&expected.cross[i])]
 }
