@@ -109,6 +109,7 @@ fn batch(criterion: &mut Criterion, group: &str, own_errors: bool, lattices: &[L
         let scan = Scan { plots: &plots, gains: &gains, time_ns: 0, dt_s: 1.0, transition: &chain };
         let tracks = bank.len();
         group.throughput(Throughput::Elements(tracks as u64));
+        group.sample_size(if tracks > 10_000 { 20 } else { 100 });
         group.bench_function(BenchmarkId::from_parameter(format!("{tracks}x{PLOTS}")), |bencher| {
             bencher.iter(|| {
                 let mut full = 0;

@@ -18,6 +18,9 @@ use super::lanes::LANES;
 use super::predict::Step;
 use super::update::Weights;
 
+/// Intervals are widened by this against rounding.
+const WIDENED: f64 = 1.0 + 1e-9;
+
 /// One scan as the bank takes it.
 #[derive(Debug, Clone, Copy)]
 pub struct Scan<'a> {
@@ -66,6 +69,7 @@ pub struct Bank {
     blocks: Vec<Block>,
     len: usize,
     index: PlotIndex,
+    seen: Vec<Seen>,
     forecast: Forecast,
     candidates: Candidates,
     weights: Weights,
@@ -80,6 +84,7 @@ impl Bank {
             blocks: Vec::new(),
             len: 0,
             index: PlotIndex::default(),
+            seen: Vec::new(),
             forecast: Forecast::default(),
             candidates: Candidates::default(),
             weights: Weights::default(),
@@ -122,9 +127,12 @@ impl Bank {
         mut offer: impl FnMut(usize, f64) -> Offer,
         mut passed: impl FnMut(Passed<'_>),
     ) {
-        let Self { kernel, blocks, len, index, forecast, candidates, weights, chosen } = self;
+        let Self { kernel, blocks, len, index, seen, forecast, candidates, weights, chosen } = self;
         index.build(scan.plots);
-        let reach = Reach::of(scan, kernel.alpha);
+        let square_alpha = kernel.alpha * kernel.alpha;
+        seen.clear();
+        seen.extend(scan.plots.iter().map(|plot| Seen::new(plot, scan.time_ns, square_alpha)));
+        let reach = Reach::of(seen, kernel.alpha);
         let step = Step::splat(scan.dt_s, scan.transition);
         let own = own_probability(kernel.alpha, kernel.radar.dimensions());
         for (number, block) in blocks.iter_mut().enumerate() {
@@ -138,10 +146,9 @@ impl Bank {
                 let gates = Gates::new(forecast, lane, &reach);
                 chosen[lane].clear();
                 for &near in index.near(&gates.window).flatten() {
-                    let plot = &scan.plots[near as usize];
-                    let offset_s = seconds_between(scan.time_ns, plot.time_ns);
-                    if plot.power >= offer.threshold && gates.hold(plot, offset_s) {
-                        candidates.add(lane, plot, offset_s, scan.gains[near as usize]);
+                    let plot = &seen[near as usize];
+                    if plot.power >= offer.threshold && gates.hold(plot) {
+                        candidates.add(lane, &scan.plots[near as usize], plot.offset_s, scan.gains[near as usize]);
                         chosen[lane].push(near);
                     }
                 }
@@ -152,23 +159,52 @@ impl Bank {
     }
 }
 
+/// A plot as gates look at it.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    /// (r, β, ε, ṙ).
+    polar: [f64; COORDINATES],
+    /// α² σ²; ∞ where not measured, which no gate then refuses.
+    square: [f64; COORDINATES],
+    /// Its time minus the scan's, s.
+    offset_s: f64,
+    /// q.
+    power: f64,
+}
+
+impl Seen {
+    fn new(plot: &Measurement, time_ns: u64, square_alpha: f64) -> Self {
+        Self {
+            polar: plot.polar,
+            square: std::array::from_fn(
+                |i| {
+                    if plot.measured[i] { square_alpha * plot.variance[i] } else { f64::INFINITY }
+                },
+            ),
+            offset_s: seconds_between(time_ns, plot.time_ns),
+            power: plot.power,
+        }
+    }
+}
+
 /// How far from a gate's centre a plot of the scan may lie and still be inside.
+#[derive(Debug, Clone, Copy)]
 struct Reach {
     square_alpha: f64,
-    /// Largest α²σ² of r and β.
-    variance: [f64; 2],
+    /// Largest α²σ².
+    square: [f64; COORDINATES],
     /// Largest time offset, s.
     offset_s: f64,
 }
 
 impl Reach {
-    fn of(scan: &Scan<'_>, alpha: f64) -> Self {
-        let mut reach = Self { square_alpha: alpha * alpha, variance: [0.0; 2], offset_s: 0.0 };
-        for plot in scan.plots {
-            for i in 0..2 {
-                reach.variance[i] = reach.variance[i].max(reach.square_alpha * plot.variance[i]);
+    fn of(seen: &[Seen], alpha: f64) -> Self {
+        let mut reach = Self { square_alpha: alpha * alpha, square: [0.0; COORDINATES], offset_s: 0.0 };
+        for plot in seen {
+            for i in 0..COORDINATES {
+                reach.square[i] = reach.square[i].max(plot.square[i]);
             }
-            reach.offset_s = reach.offset_s.max(seconds_between(scan.time_ns, plot.time_ns).abs());
+            reach.offset_s = reach.offset_s.max(plot.offset_s.abs());
         }
         reach
     }
@@ -186,7 +222,8 @@ struct Gate {
 /// The gates of one track, the manoeuvre mode's first: it is seldom not the widest.
 struct Gates {
     modes: [Gate; MODES],
-    square_alpha: f64,
+    /// Ends of the smallest intervals that hold all of them, for any plot of the scan; not of β.
+    hull: [[f64; 2]; COORDINATES],
     window: Window,
 }
 
@@ -198,24 +235,29 @@ impl Gates {
             Gate::new(&forecast.hover, lane, reach.square_alpha),
         ];
         let middle = modes[0].centre[1];
-        let mut range_m = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut hull = [[f64::INFINITY, f64::NEG_INFINITY]; COORDINATES];
         let mut half_azimuth_rad = 0.0_f64;
         for mode in &modes {
-            let half = [0, 1].map(|i| (mode.square[i] + reach.variance[i]).sqrt());
-            let moved = [0, 1].map(|i| (mode.drift[i] * reach.offset_s).abs());
-            let half_r = half[0] + moved[0];
-            range_m = [range_m[0].min(mode.centre[0] - half_r), range_m[1].max(mode.centre[0] + half_r)];
-            half_azimuth_rad = half_azimuth_rad
-                .max(angle::difference(mode.centre[1], middle).abs() + half[1].min(FRAC_PI_2) + moved[1]);
+            for i in 0..COORDINATES {
+                let half = (mode.square[i] + reach.square[i]).sqrt();
+                let moved = (mode.drift[i] * reach.offset_s).abs();
+                if i == 1 {
+                    let shift = angle::difference(mode.centre[1], middle).abs();
+                    half_azimuth_rad = half_azimuth_rad.max(shift + half.min(FRAC_PI_2) + moved);
+                } else {
+                    let reached = WIDENED * (half + moved);
+                    hull[i] = [hull[i][0].min(mode.centre[i] - reached), hull[i][1].max(mode.centre[i] + reached)];
+                }
+            }
         }
-        let window = Window { azimuth_rad: middle, half_azimuth_rad, range_m };
-        Self { modes, square_alpha: reach.square_alpha, window }
+        let window = Window { azimuth_rad: middle, half_azimuth_rad, range_m: hull[0] };
+        Self { modes, hull, window }
     }
 
     /// Whether `plot` lies in any of them (T9).
-    fn hold(&self, plot: &Measurement, offset_s: f64) -> bool {
-        let square = plot.variance.map(|variance| self.square_alpha * variance);
-        self.modes.iter().any(|gate| gate.holds(plot, &square, offset_s))
+    fn hold(&self, plot: &Seen) -> bool {
+        let near = |i: usize| self.hull[i][0] <= plot.polar[i] && plot.polar[i] <= self.hull[i][1];
+        near(2) && near(3) && self.modes.iter().any(|gate| gate.holds(plot))
     }
 }
 
@@ -229,17 +271,14 @@ impl Gate {
         }
     }
 
-    /// `square` is α² σ² of the plot. As [`crate::gate::Gate::holds`], without branches: most plots asked about are inside.
-    fn holds(&self, plot: &Measurement, square: &[f64; COORDINATES], offset_s: f64) -> bool {
+    /// As [`crate::gate::Gate::holds`]; all coordinates at once, as most plots asked about are inside.
+    fn holds(&self, plot: &Seen) -> bool {
         let mut offset: [f64; COORDINATES] =
-            std::array::from_fn(|i| plot.polar[i] - (self.centre[i] + self.drift[i] * offset_s));
+            std::array::from_fn(|i| plot.polar[i] - (self.centre[i] + self.drift[i] * plot.offset_s));
         if offset[1].abs() > FRAC_PI_2 {
             offset[1] = angle::difference(offset[1], 0.0);
         }
-        let mut inside = offset[1].abs() <= FRAC_PI_2;
-        for i in 0..COORDINATES {
-            inside &= !plot.measured[i] || offset[i] * offset[i] <= self.square[i] + square[i];
-        }
-        inside
+        let inside = (0..COORDINATES).filter(|&i| offset[i] * offset[i] <= self.square[i] + plot.square[i]).count();
+        inside == COORDINATES && offset[1].abs() <= FRAC_PI_2
     }
 }
