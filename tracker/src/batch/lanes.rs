@@ -164,7 +164,7 @@ impl<S: Simd> From<Product<S>> for V<S> {
     }
 }
 
-/// `impl_operator!(V + Product, |a, b| …)`: operators with `V` as result.
+/// One operator: its trait, operands and result.
 macro_rules! operator {
     ($trait:ident $method:ident: $left:ident, $right:ident -> $output:ident, |$a:ident, $b:ident| $result:expr) => {
         impl<S: Simd> $trait<$right<S>> for $left<S> {

@@ -12,7 +12,7 @@
 //! ```
 //! `choose` is the caller's: it knows the plots, the threshold and the clutter. [`Bank`] is such a caller.
 //!
-//! The counted minimum is 5040 multiplications and additions a track and 159 a plot; at 8 lanes and two fused operations a
+//! The budget is 5040 multiplications and additions a track and 159 a plot; at 8 lanes and two fused operations a
 //! cycle some 200 cycles. What is not arithmetic must therefore stay small: a block is loaded and stored whole, the
 //! states of two axes stay in registers from P̂ to P*, slots of equal errors share one factorisation.
 //!
