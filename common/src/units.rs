@@ -14,6 +14,7 @@ pub fn to_db(ratio: f64) -> f64 {
 pub const NS_PER_S: f64 = 1e9;
 
 /// `t1 − t0` in s; negative when `t1` is earlier.
+#[inline]
 pub fn seconds_between(t0_ns: u64, t1_ns: u64) -> f64 {
     if t1_ns >= t0_ns { (t1_ns - t0_ns) as f64 / NS_PER_S } else { -((t0_ns - t1_ns) as f64) / NS_PER_S }
 }

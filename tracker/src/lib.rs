@@ -11,6 +11,7 @@
 //!                                            life         existence, confirmation, end, SNR    (T18), (T19)
 //! track         one track between passages   site         the radar, as its headers tell
 //! tracker       all of it, one call per message
+//! batch         eight tracks at a time   (T2)-(T5), (T20)    plot_index   plots by azimuth and range
 //! ```
 //!
 //! Pure: no clock, file, shared memory or thread (but for [`replay`], which reads and writes). Formulas:
@@ -20,6 +21,7 @@
 
 pub mod amplitude;
 pub mod association;
+pub mod batch;
 pub mod clutter_map;
 pub mod gate;
 pub mod hypotheses;
@@ -29,6 +31,7 @@ pub mod joint;
 pub mod life;
 pub mod measurement;
 pub mod motion;
+pub mod plot_index;
 pub mod plot_store;
 pub mod process;
 pub mod replay;

@@ -1,0 +1,140 @@
+//! The association rule (T20) one track at a time, as it is written: the oracle of the batch path.
+
+use nalgebra::{SMatrix, SVector};
+use tracker::gate::{Gate, Radar};
+use tracker::imm::Imm;
+use tracker::measurement::{COORDINATES, Expected, Likelihood, Measurement};
+use tracker::motion::{DIMENSIONS, MODES};
+use tracker::state::at;
+
+/// A plot that the track may have caused.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Choice {
+    pub plot: Measurement,
+    /// Its time minus the prediction's, s.
+    pub offset_s: f64,
+    /// a = ℓ/ρ, m³·m/s.
+    pub gain: f64,
+}
+
+/// What the scan did.
+#[derive(Debug, Clone)]
+pub(crate) struct Posterior {
+    pub imm: Imm,
+    pub likelihood: [f64; MODES],
+    pub none: [f64; MODES],
+    /// By candidate, then mode.
+    pub plots: Vec<[f64; MODES]>,
+}
+
+/// What each mode expects.
+pub(crate) fn expect(prediction: &Imm) -> [Expected; MODES] {
+    std::array::from_fn(|j| Expected::new(j, &prediction.modes[j]))
+}
+
+/// One gate per mode.
+pub(crate) fn gates(expected: &[Expected; MODES], radar: &Radar, alpha: f64) -> [Gate; MODES] {
+    expected.map(|expected| Gate::new(&expected, radar, alpha))
+}
+
+/// U_j = Π 2h_ji/δ_i over the measured coordinates.
+pub(crate) fn cells(gate: &Gate, radar: &Radar) -> f64 {
+    (0..COORDINATES).filter(|&i| radar.measured[i]).map(|i| 2.0 * gate.half[i] / radar.cell[i]).product()
+}
+
+/// Whether a plot lies in any mode's gate.
+pub(crate) fn is_inside(
+    plot: &Measurement,
+    offset_s: f64,
+    gates: &[Gate; MODES],
+    expected: &[Expected; MODES],
+) -> bool {
+    gates.iter().zip(expected).any(|(gate, expected)| gate.holds(&gate.offset(plot, &expected.drift(offset_s)), plot))
+}
+
+/// Weights and moments, with every plot's own posterior written out (T8), (T14).
+pub(crate) fn update(prediction: &Imm, choices: &[Choice], miss: [f64; MODES], inflation: f64) -> Posterior {
+    let mut posterior =
+        Posterior { imm: *prediction, likelihood: miss, none: [1.0; MODES], plots: vec![[0.0; MODES]; choices.len()] };
+    for (j, &n) in DIMENSIONS.iter().enumerate() {
+        let prior = &prediction.modes[j];
+        let expected = Expected::new(j, prior);
+        let terms: Vec<(f64, Term)> = choices
+            .iter()
+            .map(|choice| match expected.likelihood(&choice.plot, inflation) {
+                Some(likelihood) => Term::new(&expected, &likelihood, choice, n),
+                None => (0.0, Term::none()),
+            })
+            .collect();
+        let total = miss[j] + terms.iter().map(|(e, _)| e).sum::<f64>();
+        if !(total > 0.0 && total < f64::MAX) {
+            continue;
+        }
+        posterior.likelihood[j] = total;
+        posterior.none[j] = miss[j] / total;
+        for (weights, (e, _)) in posterior.plots.iter_mut().zip(&terms) {
+            weights[j] = e / total;
+        }
+        // û, then every term's covariance and spread about it.
+        let mut step = SVector::<f64, 9>::zeros();
+        for (e, term) in &terms {
+            step += term.step * (e / total);
+        }
+        let mut covariance = step * step.transpose() * posterior.none[j];
+        for (e, term) in &terms {
+            let from = term.step - step;
+            covariance += (from * from.transpose() - term.gained) * (e / total);
+        }
+        let state = &mut posterior.imm.modes[j];
+        for b in 0..n {
+            state.mean[b] += step[b];
+            for a in 0..=b {
+                state.covariance[at(a, b)] += covariance[(a, b)];
+            }
+        }
+    }
+    // W_j ∝ W*_j L_j.
+    let largest = posterior.likelihood.into_iter().fold(0.0, f64::max);
+    let weights: [f64; MODES] =
+        std::array::from_fn(|j| prediction.probability[j] * (posterior.likelihood[j] / largest));
+    let total: f64 = weights.iter().sum();
+    if largest > 0.0 && largest < f64::MAX && total > 0.0 && total < f64::MAX {
+        posterior.imm.probability = weights.map(|w| w / total);
+    }
+    if !posterior.imm.is_sound() {
+        posterior.imm = *prediction;
+    }
+    posterior
+}
+
+/// What one plot alone would do to the state.
+struct Term {
+    /// K d = û_m − u*.
+    step: SVector<f64, 9>,
+    /// K H P* = P* − P̃.
+    gained: SMatrix<f64, 9, 9>,
+}
+
+impl Term {
+    fn none() -> Self {
+        Self { step: SVector::zeros(), gained: SMatrix::zeros() }
+    }
+
+    /// With e_m.
+    fn new(expected: &Expected, likelihood: &Likelihood, choice: &Choice, n: usize) -> (f64, Self) {
+        let d = expected.innovation(&choice.plot, choice.offset_s);
+        let y = likelihood.solve(d);
+        let product =
+            |a: &[f64; COORDINATES], b: &[f64; COORDINATES]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let e = choice.gain * (likelihood.ln_peak - 0.5 * product(&d, &y)).exp();
+        let b = &expected.cross;
+        let mut term = Self::none();
+        for i in 0..n {
+            term.step[i] = product(&b[i], &y);
+            for k in 0..n {
+                term.gained[(i, k)] = product(&b[i], &likelihood.solve(b[k]));
+            }
+        }
+        (e, term)
+    }
+}
