@@ -1,6 +1,6 @@
 //! The experiments that there are.
 
-use crate::{Options, Progress, Results, cfar, initiation, plot_accuracy};
+use crate::{Options, Progress, Results, cfar, crossing, initiation, plot_accuracy};
 
 /// One experiment. Its results depend on the options alone, and not on [`Options::threads`].
 #[derive(Debug, Clone, Copy)]
@@ -25,6 +25,11 @@ pub const EXPERIMENTS: &[Experiment] = &[
         name: "initiation",
         about: "new targets confirmed against false tracks, by threshold and logic",
         run: initiation::run,
+    },
+    Experiment {
+        name: "crossing",
+        about: "two drones that come near each other: tracks that swap or lose theirs",
+        run: crossing::run,
     },
 ];
 

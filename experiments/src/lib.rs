@@ -10,6 +10,7 @@
 
 pub mod catalogue;
 pub mod cfar;
+pub mod crossing;
 pub mod figures;
 pub mod fluctuation;
 pub mod follow;
@@ -20,6 +21,7 @@ pub mod plot_accuracy;
 pub mod progress;
 pub mod results;
 pub mod rows;
+pub mod surround;
 pub mod table;
 pub mod trajectory;
 pub mod turning;
