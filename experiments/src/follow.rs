@@ -302,3 +302,51 @@ impl Follower {
 fn scans(sights: &[Sight]) -> impl Iterator<Item = (u32, &Sight)> {
     (1..).zip(sights.iter().skip(2))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+    use crate::trajectory::Trajectory;
+    use crate::world::sights;
+    use common::config::Swerling;
+
+    /// The source's filter on B without clutter errs as published (10.99 m, 15.64 m, NEES 2.80), within five standard errors of
+    /// so few runs.
+    #[test]
+    fn the_source_is_reproduced() {
+        let conditions = Conditions::WITHOUT_CLUTTER;
+        let mut follower = Follower::new(&Settings::Source.config(&conditions), &conditions);
+        let (mut estimated, mut predicted, mut nees, mut scans) = (0.0, 0.0, 0.0, 0.0);
+        for run in 0..60 {
+            let fate = follower.watch(&sights(Trajectory::B, &conditions, 2, run), 2, run, |record, plots| {
+                assert_eq!(plots.len(), 1);
+                estimated += record.position_error_m.norm_squared();
+                predicted += record.predicted_error_m.norm_squared();
+                nees += record.nees_position;
+                scans += 1.0;
+            });
+            assert_eq!(fate, Fate::default());
+        }
+        let rms = |sum: f64| (sum / scans).sqrt();
+        assert!((rms(estimated) - 10.99).abs() < 1.2, "{}", rms(estimated));
+        assert!((rms(predicted) - 15.64).abs() < 1.5, "{}", rms(predicted));
+        assert!((nees / scans - 2.80).abs() < 0.3, "{}", nees / scans);
+    }
+
+    /// The source's gate never becomes empty at F = 0.1: every track is lost at the first manoeuvre, and gets no plots once it is given up.
+    #[test]
+    fn a_track_that_is_given_up_only_predicts() {
+        let conditions = Conditions { pfa: 0.1, reference_cells: 0, snr_db: 16.0, swerling: Swerling::One };
+        let mut follower = Follower::new(&Settings::Source.config(&conditions), &conditions);
+        for run in 0..10 {
+            let sights = sights(Trajectory::B, &conditions, 2, run);
+            let mut offered = Vec::new();
+            let fate = follower.watch(&sights, 2, run, |_, plots| offered.push(plots.len()));
+            assert!(fate.lost_at.is_some() && fate.strayed && fate.scans() < SCANS, "{fate:?}");
+            assert_eq!(fate, follower.fate(&sights, 2, run));
+            let last = offered.iter().rposition(|&plots| plots > 0).expect("plots at first");
+            assert!(last + 1 < offered.len() && offered[last] > 20, "{offered:?}");
+        }
+    }
+}

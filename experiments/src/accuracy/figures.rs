@@ -2,7 +2,7 @@
 
 use common::config::Swerling;
 use evaluation::rms::rms;
-use tracker::measurement::COORDINATES;
+use tracker::measurement::{COORDINATES, Measurement};
 use tracker::motion::MODES;
 
 use super::plots::{Runs, SETTINGS};
@@ -42,7 +42,7 @@ fn errors(all: &[&Runs]) -> Figure {
             series.push(Series::new(format!("{settings}: rms error"), colour, Shape::Line(actual)));
             series.push(Series::new(format!("{settings}: by the filter"), colour, Shape::Dashed(stated)));
         }
-        Panel { title: name.into(), x: scan_axis(), y: Axis::linear("standard deviation / m"), series }
+        Panel { title: name.into(), x: scan_axis(), y: Axis::linear("error, standard deviation / m"), series }
     };
     Figure {
         name: "accuracy-errors".into(),
@@ -96,7 +96,7 @@ fn modes(all: &[&Runs], seed: u64) -> Figure {
     }
 }
 
-/// Gates in use and what they held in one run among false plots, less the truth.
+/// Gates in use (the largest of a union), the false plots in them and the target's plots in one run.
 fn gates(seed: u64) -> Figure {
     let conditions = Conditions { pfa: 0.01, reference_cells: 0, snr_db: 16.0, swerling: Swerling::One };
     let axes: [(&str, f64); COORDINATES] = [
@@ -113,36 +113,45 @@ fn gates(seed: u64) -> Figure {
         let mut own: [Vec<[f64; 2]>; COORDINATES] = Default::default();
         let mut others: [Vec<[f64; 2]>; COORDINATES] = Default::default();
         let mut follower = Follower::new(&settings.config(&conditions), &conditions);
-        let fate = follower.watch(&sights, seed, SHOWN, |record, plots| {
-            let (k, sight) = (f64::from(record.k), &sights[record.k as usize + 1]);
+        let mut scans = Vec::new();
+        let fate = follower.watch(&sights, seed, SHOWN, |record, plots| scans.push((record, plots.to_vec())));
+        // A lost track has nothing to show; its target flies on.
+        scans.retain(|(record, _)| record.k <= fate.scans());
+        for (record, plots) in &scans {
+            let (k, gate) = (f64::from(record.k), &record.gate);
+            let own = &sights[record.k as usize + 1].plot;
+            let others_in_gate = || {
+                let inside = |plot: &&Measurement| gate.holds(&gate.offset(plot, &[0.0; COORDINATES]), plot);
+                plots.iter().filter(inside).filter(|plot| *plot != own)
+            };
             for (axis, (_, factor)) in axes.into_iter().enumerate() {
-                let (centre, half) = (factor * record.gate.centre[axis], factor * record.gate.half[axis]);
+                let (centre, half) = (factor * gate.centre[axis], factor * gate.half[axis]);
                 bands[axis].push([k, centre - half, centre + half]);
                 centres[axis].push([k, centre]);
-                let of_target = |plot: &&tracker::measurement::Measurement| **plot == sight.plot;
-                own[axis].extend(plots.iter().filter(of_target).map(|plot| [k, factor * plot.polar[axis]]));
-                others[axis].extend(plots.iter().filter(|p| !of_target(p)).map(|plot| [k, factor * plot.polar[axis]]));
+                others[axis].extend(others_in_gate().map(|plot| [k, factor * plot.polar[axis]]));
             }
-        });
+        }
+        for (k, sight) in (-1_i32..).zip(&sights).filter(|(_, sight)| sight.detected) {
+            for (axis, (_, factor)) in axes.into_iter().enumerate() {
+                own[axis].push([f64::from(k), factor * sight.plot.polar[axis]]);
+            }
+        }
         let until = fate.lost_at.map_or(String::new(), |k| format!(", lost at k = {k}"));
         for (axis, (label, _)) in axes.into_iter().enumerate() {
-            // The gates of a lost track are not worth the room.
-            let mut seen: Vec<f64> = own[axis].iter().map(|point| point[1]).collect();
-            seen.sort_by(f64::total_cmp);
-            let ends = seen.first().zip(seen.last()).map_or([0.0, 1.0], |(&lo, &hi)| [lo, hi]);
-            let margin = 0.4 * (ends[1] - ends[0]).max(1e-3);
-            let mut clipped = bands[axis].clone();
-            let [lo, hi] = [ends[0] - margin, ends[1] + margin];
-            for band in &mut clipped {
-                *band = [band[0], band[1].clamp(lo, hi), band[2].clamp(lo, hi)];
-            }
+            // Wide gates are cut at the edge of the panel.
+            let [lo, hi] = (own[axis].iter())
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], point| [lo.min(point[1]), hi.max(point[1])]);
+            let margin = 0.3 * (hi - lo);
+            let [lo, hi] = [lo - margin, hi + margin];
+            let clipped =
+                bands[axis].iter().map(|band| [band[0], band[1].clamp(lo, hi), band[2].clamp(lo, hi)]).collect();
             panels.push(Panel {
                 title: format!("{} settings{until}", settings.name()),
                 x: scan_axis(),
                 y: Axis::linear(label).between(lo, hi),
                 series: vec![
                     Series::new("gate in use", 0, Shape::Band(clipped)),
-                    Series::new("false plots", GREY, Shape::Points(std::mem::take(&mut others[axis]))),
+                    Series::new("false plots", GREY, Shape::Dots(std::mem::take(&mut others[axis]))),
                     Series::new("centre of the gate", 0, Shape::Line(std::mem::take(&mut centres[axis]))),
                     Series::new("target's plots", 1, Shape::Points(std::mem::take(&mut own[axis]))),
                 ],

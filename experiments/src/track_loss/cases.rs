@@ -15,8 +15,6 @@ use crate::{Case, Options, fluctuation};
 pub(super) const PFA: [f64; 3] = [0.1, 0.01, 0.001];
 /// Mean signal-to-noise ratios, dB.
 pub(super) const SNR_DB: [f64; 5] = [8.0, 10.0, 12.0, 14.0, 16.0];
-/// Where all references of this experiment are listed.
-pub(super) const REFERENCE: &str = "independent run of the source's form, 1000 runs";
 
 /// One case.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,6 +81,15 @@ impl Setting {
             (Settings::SourceWithGateProbability, _, Swerling::One) if at_16_db && is(self.pfa, 0.01) => Some(0.71),
             (Settings::SourceWithGateProbability, _, Zero) if at_16_db && is(self.pfa, 0.01) => Some(0.008),
             _ => None,
+        }
+    }
+
+    /// Where the references come from.
+    pub(super) fn reference_source(&self) -> &'static str {
+        match (self.settings, self.association) {
+            (Settings::Default, Association::Mht) => "independent run of (T21)",
+            (Settings::Default, _) => "independent run of (T20), 1000 runs",
+            _ => "independent run of the source's form, 1000 runs",
         }
     }
 

@@ -78,22 +78,22 @@ fn settings(cases: &[Case]) -> Figure {
     }
 }
 
-/// Default settings on all trajectories and kinds of targets, at the middle F.
+/// Default settings on all trajectories and kinds of targets, at the highest F.
 fn robustness(cases: &[Case]) -> Figure {
     let kinds = [(Swerling::Zero, "Swerling 0"), (Swerling::One, "Swerling I"), (Swerling::Three, "Swerling III")];
     let is_default = |case: &&Case| {
         case.setting.settings == Settings::Default && case.setting.association == Association::PdaStatistics
     };
+    let pfa = super::cases::PFA[0];
     let mut panels: Vec<Panel> = Vec::new();
     for trajectory in crate::trajectory::ALL {
         let mut series = Vec::new();
         for (colour, (swerling, label)) in kinds.into_iter().enumerate() {
             let is = |case: &&Case| case.setting.trajectory == trajectory && case.setting.swerling == swerling;
-            let pfa = cases.iter().filter(is_default).map(|case| case.setting.pfa).fold(f64::INFINITY, f64::min);
             let shown = cases.iter().filter(is_default).filter(is).filter(|case| is_pfa(case, pfa));
             series.extend(curve(shown, label, colour, strayed));
         }
-        let title = format!("trajectory {}, F = {}", trajectory.name(), super::cases::PFA[2]);
+        let title = format!("trajectory {}, F = {pfa}", trajectory.name());
         panels.push(Panel { title, x: snr(), y: share("position wrong by > 150 m"), series });
     }
     panels.retain(|panel| !panel.series.is_empty());

@@ -81,7 +81,7 @@ fn rows(case: &Case) -> [Row; 3] {
     let n = case.fates.len() as u64;
     let count = |of: fn(&Fate) -> bool| case.fates.iter().filter(|fate| of(fate)).count() as u64;
     let with = |row: Row, reference: Option<f64>| match reference {
-        Some(reference) => row.against(reference, cases::REFERENCE),
+        Some(reference) => row.against(reference, case.setting.reference_source()),
         None => row,
     };
     [
