@@ -57,7 +57,7 @@ struct Flight {
 }
 
 pub(super) fn run(options: &Options, progress: &Progress) -> anyhow::Result<Results> {
-    let runs_of_each = options.runs_or(300, 2);
+    let runs_of_each = options.runs_or(200, 2);
     let mut results = Results { runs: runs_of_each, ..Results::default() };
     let kinds = [Swerling::Zero, Swerling::One];
     progress.expect(u64::from(runs_of_each) * 2 * (kinds.len() * PFA.len()) as u64);

@@ -28,7 +28,7 @@ use crate::{Case, Options, Progress, Results, Row};
 /// Resamples of an interval.
 const RESAMPLES: usize = 500;
 
-/// Runs the experiment: 1000 runs of each trajectory, or 300 through cells.
+/// Runs the experiment: 1000 runs of each trajectory, or 200 through cells.
 ///
 /// # Errors
 /// If the simulator or the tracker refuses its configuration.

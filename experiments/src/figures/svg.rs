@@ -41,7 +41,7 @@ const SAMPLE: i32 = step(28);
 const LETTER: f64 = 7.2 * FINE as f64;
 /// Half the size of a marker, steps.
 const MARKER: i32 = step(4);
-const DOT: i32 = step(1);
+const DOT: i32 = 6;
 /// Widths of lines, steps.
 const THICK: u32 = 2 * FINE;
 const THIN: u32 = FINE;

@@ -28,7 +28,7 @@ fn source(cases: &[Case], trajectory: Trajectory) -> Figure {
         (Association::Nearest, "nearest neighbour"),
         (Association::Pda, "PDA without statistics"),
     ];
-    let panels = |measure: Measure, axis: Axis| {
+    let panels = |measure: Measure, axis: &Axis| {
         each_pfa(cases, axis, move |cases, pfa| {
             let mut series = Vec::new();
             for (colour, (association, label)) in methods.into_iter().enumerate() {
@@ -47,7 +47,7 @@ fn source(cases: &[Case], trajectory: Trajectory) -> Figure {
         name: format!("track-loss-{}", name.to_lowercase()),
         title: format!("Trajectory {name}, Swerling I, settings of the source: lost tracks and time of tracking"),
         columns: 3,
-        panels: [panels(lost, share("probability of loss")), panels(time, scans())].concat(),
+        panels: [panels(lost, &share("probability of loss")), panels(time, &scans())].concat(),
     }
 }
 
@@ -58,7 +58,7 @@ fn settings(cases: &[Case]) -> Figure {
         (Settings::Default, Association::PdaStatistics, "PDA, default settings"),
         (Settings::Default, Association::Mht, "hypotheses, default settings"),
     ];
-    let panels = each_pfa(cases, share("position wrong by > 150 m"), |cases, pfa| {
+    let panels = each_pfa(cases, &share("position wrong by > 150 m"), |cases, pfa| {
         let mut series = Vec::new();
         for (colour, (settings, association, label)) in methods.into_iter().enumerate() {
             let is = |case: &&Case| {
@@ -105,7 +105,7 @@ fn robustness(cases: &[Case]) -> Figure {
     }
 }
 
-fn each_pfa(cases: &[Case], y: Axis, series: impl Fn(&[Case], f64) -> Vec<Series>) -> Vec<Panel> {
+fn each_pfa(cases: &[Case], y: &Axis, series: impl Fn(&[Case], f64) -> Vec<Series>) -> Vec<Panel> {
     let all = super::cases::PFA.into_iter().filter(|&pfa| cases.iter().any(|case| is_pfa(case, pfa)));
     all.map(|pfa| Panel { title: format!("F = {pfa}"), x: snr(), y: y.clone(), series: series(cases, pfa) }).collect()
 }
