@@ -21,6 +21,8 @@ pub enum Purpose {
     Phase = 7,
     /// Tests.
     Test = 6,
+    /// Resampling of results for their intervals.
+    Resampling = 8,
 }
 
 /// The generator for one purpose at one place in the run (scan and dwell, or run and step).

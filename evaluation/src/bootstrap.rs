@@ -56,7 +56,12 @@ fn quantile(sorted: &[f64], p: f64) -> f64 {
     let place = p * last as f64;
     let below = place.floor() as usize;
     let above = (below + 1).min(last);
-    sorted[below] + (sorted[above] - sorted[below]) * (place - below as f64)
+    let share = place - below as f64;
+    // Ratios may be infinite, and between those there is nothing.
+    if share <= 0.0 || sorted[below].is_infinite() {
+        return sorted[below];
+    }
+    sorted[below] + (sorted[above] - sorted[below]) * share
 }
 
 #[cfg(test)]
@@ -111,5 +116,7 @@ mod tests {
         assert!(first.lo >= 0.5 && first.hi <= 1.0 && first.lo < first.hi);
         assert_eq!(first, ratio(&pairs, 500, 0.95, &mut rng()));
         assert!(ratio(&[], 500, 0.95, &mut rng()).value.is_nan());
+        let without_end = ratio(&[[1.0, 0.0], [1.0, 1.0], [1.0, 0.0]], 500, 0.95, &mut rng());
+        assert!(without_end.lo >= 1.0 && without_end.hi == f64::INFINITY, "{without_end:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! The experiments that there are.
 
-use crate::{Options, Progress, Results, cfar, crossing, initiation, plot_accuracy};
+use crate::{Options, Progress, Results, accuracy, cfar, crossing, initiation, plot_accuracy, track_loss};
 
 /// One experiment. Its results depend on the options alone, and not on [`Options::threads`].
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +20,16 @@ pub const EXPERIMENTS: &[Experiment] = &[
         name: "plot-accuracy",
         about: "errors of plots from simulated cells, and whether they are as stated",
         run: plot_accuracy::run,
+    },
+    Experiment {
+        name: "accuracy",
+        about: "errors, consistency and modes of one track by kind of motion; with --cells through cells",
+        run: accuracy::run,
+    },
+    Experiment {
+        name: "track-loss",
+        about: "lost targets and time of tracking among false plots, by association and settings",
+        run: track_loss::run,
     },
     Experiment {
         name: "initiation",

@@ -8,6 +8,7 @@
 //! An experiment is a function `run(&Options, &Progress) -> anyhow::Result<Results>`, listed in [`catalogue`]. Every figure
 //! carries its number of samples and a 95 % interval; the seed repeats it exactly.
 
+pub mod accuracy;
 pub mod catalogue;
 pub mod cfar;
 pub mod crossing;
@@ -21,8 +22,10 @@ pub mod plot_accuracy;
 pub mod progress;
 pub mod results;
 pub mod rows;
+pub mod settings;
 pub mod surround;
 pub mod table;
+pub mod track_loss;
 pub mod trajectory;
 pub mod turning;
 pub mod world;

@@ -21,7 +21,56 @@ pub enum Trajectory {
     Random,
 }
 
+/// All kinds.
+pub const ALL: [Trajectory; 4] = [Trajectory::B, Trajectory::A, Trajectory::Cv, Trajectory::Random];
+
+/// Scans `first` to `last`, both included, of one kind of motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Segment {
+    /// As in the JSON.
+    pub name: &'static str,
+    /// First scan k.
+    pub first: u32,
+    /// Last scan k.
+    pub last: u32,
+}
+
+impl Segment {
+    /// The whole run.
+    pub const ALL: Self = Self::new("all", 1, SCANS);
+
+    const fn new(name: &'static str, first: u32, last: u32) -> Self {
+        Self { name, first, last }
+    }
+
+    /// Whether scan k belongs to it.
+    pub fn holds(&self, k: u32) -> bool {
+        (self.first..=self.last).contains(&k)
+    }
+}
+
+/// Of B; A has them but for `brake` and `hover`.
+const SEGMENTS: [Segment; 7] = [
+    Segment::new("cv1", 1, 9),
+    Segment::new("turn", 10, 15),
+    Segment::new("cv2", 16, 20),
+    Segment::new("brake", 21, 25),
+    Segment::new("hover", 26, 33),
+    Segment::new("accelerate", 34, 39),
+    Segment::new("cv3", 40, 50),
+];
+
 impl Trajectory {
+    /// The segments that have a name, the whole run first.
+    pub fn segments(self) -> Vec<Segment> {
+        let named = SEGMENTS.into_iter().filter(|segment| match self {
+            Self::B => true,
+            Self::A => !matches!(segment.name, "brake" | "hover"),
+            Self::Cv | Self::Random => false,
+        });
+        std::iter::once(Segment::ALL).chain(named).collect()
+    }
+
     /// As in the JSON.
     pub fn name(self) -> &'static str {
         match self {

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! cells        δ_r 69.3 m, δ_β = δ_ε 0.346°, δ_ṙ 34.6 m/s;  errors σ = δ/(2√3), normal          (C1)
-//! target       measured in every scan, detected if q > t₀; noise power known                   (C4)
-//! false plots  Poisson with F per cell, uniform over the cells; q − t₀ exponential
+//! target       measured in every scan, detected if q > t₀                                      (C4)
+//! false plots  Poisson with F per cell, see [`crate::surround`]
 //! ```
 
 use common::amplitude::Detector;
@@ -13,11 +13,12 @@ use common::geometry::{Polar, range_rate_mps};
 use common::random::{Purpose, generator};
 use common::units::from_db;
 use nalgebra::Vector3;
-use radar_sim::motion::Kinematics;
-use rand::{Rng, RngExt};
-use rand_distr::{Distribution, Exp1, Poisson, StandardNormal};
+use radar_sim::motion::{Kinematics, Segments};
+use rand::Rng;
+use rand_distr::{Distribution, Exp1, Gamma, StandardNormal};
 use tracker::gate::Radar;
 use tracker::measurement::{COORDINATES, Measurement};
+use tracker::motion::{CONSTANT_VELOCITY, HOVER, MANOEUVRE};
 
 use crate::trajectory::{SCANS, Trajectory};
 
@@ -39,6 +40,8 @@ pub fn radar() -> Radar {
 pub struct Conditions {
     /// F; 0 for no false plots and certain detection.
     pub pfa: f64,
+    /// N of the CFAR; 0 for known noise.
+    pub reference_cells: u32,
     /// S, dB.
     pub snr_db: f64,
     /// Fluctuation.
@@ -46,9 +49,12 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// The detector of known noise; without false plots one of its own that everything passes.
+    /// One target without false plots that is always detected.
+    pub const WITHOUT_CLUTTER: Self = Self { pfa: 0.0, reference_cells: 0, snr_db: 16.0, swerling: Swerling::One };
+
+    /// The detector; without false plots any, as no plot is asked for its power.
     pub fn detector(&self) -> Detector {
-        Detector::new(if self.pfa > 0.0 { self.pfa } else { 1e-3 }, 0)
+        Detector::new(if self.pfa > 0.0 { self.pfa } else { 1e-3 }, self.reference_cells)
     }
 }
 
@@ -61,24 +67,37 @@ pub struct Sight {
     pub plot: Measurement,
     /// Whether it is detected.
     pub detected: bool,
+    /// What it did since the scan before, 0 hover, 1 constant velocity, 2 manoeuvre: the mode that is to be found.
+    pub mode: usize,
 }
 
 /// A target's plots at k = −1, 0, 1, … `SCANS`: index 0 is k = −1. Detection of the first two is certain.
 pub fn sights(trajectory: Trajectory, conditions: &Conditions, seed: u64, run: u32) -> Vec<Sight> {
     let motion = trajectory.motion(seed, run);
+    let threshold = conditions.detector().threshold;
     (0..SCANS + 2)
         .map(|scan| {
             let truth = motion.at(f64::from(scan));
             let mut rng = generator(seed, Purpose::Measurement, run, scan);
             let plot = measure(&truth, conditions, &mut rng);
             let certain = conditions.pfa <= 0.0 || scan < 2;
-            Sight { truth, plot, detected: certain || plot.power > conditions.detector().threshold }
+            let mode = mode_before(&motion, f64::from(scan));
+            Sight { truth, plot, detected: certain || plot.power > threshold, mode }
         })
         .collect()
 }
 
+/// Index of the mode in the second before a time, s; 0 is k = −1.
+pub fn mode_before(motion: &Segments, time_s: f64) -> usize {
+    match motion.at((time_s - 0.5).max(0.0)).mode {
+        common::truth::HOVER => HOVER,
+        common::truth::MANOEUVRE => MANOEUVRE,
+        _ => CONSTANT_VELOCITY,
+    }
+}
+
 /// One measurement of a target.
-pub fn measure(truth: &Kinematics, conditions: &Conditions, rng: &mut impl Rng) -> Measurement {
+fn measure(truth: &Kinematics, conditions: &Conditions, rng: &mut impl Rng) -> Measurement {
     let place = Polar::from_enu(&truth.position_m);
     let rate = range_rate_mps(&truth.position_m, &truth.velocity_mps);
     let mut normal = |sigma: f64| sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, rng);
@@ -91,8 +110,8 @@ pub fn measure(truth: &Kinematics, conditions: &Conditions, rng: &mut impl Rng) 
     plot(polar, power(conditions, rng))
 }
 
-/// q of a target: |s + n|² with unit noise power.
-pub fn power(conditions: &Conditions, rng: &mut impl Rng) -> f64 {
+/// q/q̄ of a target: |s + n|² with unit noise power, over the mean of N reference cells if there are any.
+fn power(conditions: &Conditions, rng: &mut impl Rng) -> f64 {
     let mut exponential = || <Exp1 as Distribution<f64>>::sample(&Exp1, rng);
     let snr = from_db(conditions.snr_db);
     let signal = match conditions.swerling {
@@ -102,7 +121,11 @@ pub fn power(conditions: &Conditions, rng: &mut impl Rng) -> f64 {
     };
     let mut normal = || <StandardNormal as Distribution<f64>>::sample(&StandardNormal, rng);
     let (i, q) = (signal.sqrt() + normal() * 0.5_f64.sqrt(), normal() * 0.5_f64.sqrt());
-    i * i + q * q
+    let noise = match conditions.reference_cells {
+        0 => 1.0,
+        cells => Gamma::new(f64::from(cells), f64::from(cells).recip()).expect("a positive shape").sample(rng),
+    };
+    (i * i + q * q) / noise
 }
 
 /// A plot of the radar's errors.
@@ -116,62 +139,6 @@ pub fn plot(polar: [f64; COORDINATES], power: f64) -> Measurement {
         power,
         measured: [true; COORDINATES],
         has_power: true,
-    }
-}
-
-/// A box in (r, β, ε, ṙ): where false plots are drawn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Region {
-    /// Centre.
-    pub centre: [f64; COORDINATES],
-    /// Half widths.
-    pub half: [f64; COORDINATES],
-}
-
-impl Region {
-    /// The smallest box that holds both.
-    #[must_use]
-    pub fn join(&self, other: &Self) -> Self {
-        let mut joined = *self;
-        for i in 0..COORDINATES {
-            let shift = if i == 1 {
-                angle::difference(other.centre[i], self.centre[i])
-            } else {
-                other.centre[i] - self.centre[i]
-            };
-            let low = (-self.half[i]).min(shift - other.half[i]);
-            let high = self.half[i].max(shift + other.half[i]);
-            joined.half[i] = 0.5 * (high - low);
-            joined.centre[i] = self.centre[i] + 0.5 * (high + low);
-        }
-        joined
-    }
-
-    /// Whether a place lies inside.
-    pub fn holds(&self, polar: &[f64; COORDINATES]) -> bool {
-        (0..COORDINATES).all(|i| {
-            let offset = if i == 1 { angle::difference(polar[i], self.centre[i]) } else { polar[i] - self.centre[i] };
-            offset.abs() <= self.half[i]
-        })
-    }
-
-    /// Resolution cells inside.
-    pub fn cells(&self, radar: &Radar) -> f64 {
-        (0..COORDINATES).map(|i| 2.0 * self.half[i] / radar.cell[i]).product()
-    }
-}
-
-/// Appends false plots above `threshold` of known noise.
-pub fn add_false_plots(region: &Region, threshold: f64, rng: &mut impl Rng, plots: &mut Vec<Measurement>) {
-    let expected = region.cells(&radar()) * (-threshold).exp();
-    let Ok(number) = Poisson::new(expected) else { return };
-    for _ in 0..number.sample(rng) as u64 {
-        let polar: [f64; COORDINATES] =
-            std::array::from_fn(|i| region.centre[i] + region.half[i] * rng.random_range(-1.0..1.0));
-        let q = threshold + <Exp1 as Distribution<f64>>::sample(&Exp1, rng);
-        if polar[0] > 0.0 {
-            plots.push(plot([polar[0], angle::wrap(polar[1]), polar[2], polar[3]], q));
-        }
     }
 }
 

@@ -4,8 +4,8 @@ use experiments::catalogue::{ALL, EXPERIMENTS, named};
 use experiments::{Options, Progress, results, table};
 use serde_json::Value;
 
-fn json(name: &str, threads: usize) -> String {
-    let options = Options { quick: true, threads, ..Options::default() };
+fn json(name: &str, threads: usize, cells: bool) -> String {
+    let options = Options { quick: true, threads, cells, ..Options::default() };
     let all: Vec<_> = named(name)
         .into_iter()
         .map(|experiment| (experiment.name, (experiment.run)(&options, &Progress::hidden()).expect("results")))
@@ -22,9 +22,10 @@ fn json(name: &str, threads: usize) -> String {
 
 #[test]
 fn results_have_the_published_form_and_do_not_depend_on_threads() {
-    for experiment in EXPERIMENTS {
-        let text = json(experiment.name, 1);
-        assert_eq!(text, json(experiment.name, 2), "{} on two threads", experiment.name);
+    let through_cells = named("accuracy").into_iter().map(|experiment| (experiment, true));
+    for (experiment, cells) in EXPERIMENTS.iter().map(|experiment| (*experiment, false)).chain(through_cells) {
+        let text = json(experiment.name, 1, cells);
+        assert_eq!(text, json(experiment.name, 2, cells), "{} on two threads", experiment.name);
         let value: Value = serde_json::from_str(&text).expect("JSON");
         assert_eq!(value["experiment"], experiment.name);
         for key in ["version", "git", "seed", "runs"] {
@@ -46,9 +47,32 @@ fn results_have_the_published_form_and_do_not_depend_on_threads() {
     }
 }
 
+/// Keys of the cases that others read.
+#[test]
+fn cases_have_the_published_keys() {
+    let keys = |name: &str, cells: bool| -> Vec<String> {
+        let value: Value = serde_json::from_str(&json(name, 2, cells)).expect("JSON");
+        let rows = value["rows"].as_array().expect("rows");
+        let of = |row: &Value| row["case"].as_object().map(|case| case.keys().cloned().collect()).unwrap_or_default();
+        let first: Vec<String> = of(&rows[0]);
+        assert!(rows.iter().all(|row| of(row) == first), "{name}");
+        first
+    };
+    let sorted = |keys: &[&str]| {
+        let mut keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
+        keys.sort_unstable();
+        keys
+    };
+    assert_eq!(keys("accuracy", false), sorted(&["trajectory", "settings", "segment"]));
+    let of_cells = ["trajectory", "settings", "segment", "source", "swerling", "pfa"];
+    assert_eq!(keys("accuracy", true), sorted(&of_cells));
+    let of_losses = ["trajectory", "pfa", "snr_db", "swerling", "association", "gate_rule", "settings"];
+    assert_eq!(keys("track-loss", false), sorted(&of_losses));
+}
+
 #[test]
 fn names_are_the_published_ones() {
-    for name in ["cfar", "plot-accuracy", "initiation"] {
+    for name in ["cfar", "plot-accuracy", "accuracy", "track-loss", "initiation"] {
         assert_eq!(named(name).len(), 1, "{name}");
     }
     assert_eq!(named(ALL).len(), EXPERIMENTS.len());

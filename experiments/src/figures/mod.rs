@@ -54,6 +54,8 @@ pub enum Shape {
     Dashed(Vec<[f64; 2]>),
     /// A marker at each [x, y].
     Points(Vec<[f64; 2]>),
+    /// A dot at each [x, y]: where there are too many for markers.
+    Dots(Vec<[f64; 2]>),
     /// A marker at each [x, y] with a bar from lo to hi: [x, y, lo, hi].
     Measured(Vec<[f64; 4]>),
     /// An area between lo and hi: [x, lo, hi].
@@ -76,7 +78,7 @@ impl Shape {
     /// [x, lowest y, highest y] of everything that is drawn.
     fn extents(&self) -> Vec<[f64; 3]> {
         match self {
-            Self::Line(points) | Self::Dashed(points) | Self::Points(points) => {
+            Self::Line(points) | Self::Dashed(points) | Self::Points(points) | Self::Dots(points) => {
                 points.iter().map(|&[x, y]| [x, y, y]).collect()
             }
             Self::Measured(points) => points

@@ -41,6 +41,7 @@ const SAMPLE: i32 = step(28);
 const LETTER: f64 = 7.2 * FINE as f64;
 /// Half the size of a marker, steps.
 const MARKER: i32 = step(4);
+const DOT: i32 = 6;
 /// Widths of lines, steps.
 const THICK: u32 = 2 * FINE;
 const THIN: u32 = FINE;
@@ -244,6 +245,11 @@ impl Series {
                     self.draw_marker(chart.plotting_area(), place)?;
                 }
             }
+            Shape::Dots(points) => {
+                for place in points.iter().filter_map(|&[x, y]| inside.place(x, y)) {
+                    chart.plotting_area().draw(&Circle::new(place, DOT, ink.filled()))?;
+                }
+            }
             Shape::Measured(points) => {
                 for &[x, y, lo, hi] in points {
                     let Some(place) = inside.place(x, y) else { continue };
@@ -293,6 +299,7 @@ impl Series {
             Shape::Line(_) => area.draw(&PathElement::new(ends.to_vec(), ink.stroke_width(THICK)))?,
             Shape::Dashed(_) => area.draw(&DashedPathElement::new(ends, step(7), step(4), ink.stroke_width(THICK)))?,
             Shape::Points(_) => self.draw_marker(area, (x + SAMPLE / 2, y))?,
+            Shape::Dots(_) => area.draw(&Circle::new((x + SAMPLE / 2, y), DOT, ink.filled()))?,
             Shape::Measured(_) => {
                 let middle = x + SAMPLE / 2;
                 area.draw(&PathElement::new(
@@ -322,6 +329,7 @@ mod tests {
                 Shape::Line(vec![[0.0, 1.0], [1.0, f64::NAN], [2.0, 3.0], [3.0, 4.0]]),
                 Shape::Dashed(vec![[0.0, 1.0], [3.0, 2.0]]),
                 Shape::Points(vec![[1.0, 1.0]]),
+                Shape::Dots(vec![[2.0, 1.0]]),
                 Shape::Measured(vec![[1.0, 2.0, f64::NAN, 3.0]]),
                 Shape::Band(vec![[0.0, 1.0, 2.0], [3.0, 2.0, 4.0]]),
             ];
