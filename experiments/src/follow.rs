@@ -235,7 +235,7 @@ impl Follower {
                 amplitude.learn(plot.power, weight, &self.detector);
             }
             posterior = outcome.posterior;
-            let holds = |gate: &Gate| gate.holds(&gate.offset(&sight.plot, &[0.0; COORDINATES]), &sight.plot);
+            let holds = |gate: &Gate| gate.holds(&gate.offset(&sight.plot, 0.0), &sight.plot);
             let in_gate = match self.rules.gate_rule {
                 GateRule::Union => gates.iter().any(holds),
                 GateRule::MostProbable if outcome.plots_in_gate == 0 => holds(&outcome.selection.gate),
