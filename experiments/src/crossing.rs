@@ -54,7 +54,7 @@ const GOSPA: (f64, f64) = (100.0, 2.0);
 /// Mode probabilities at the start.
 const START: [f64; MODES] = [0.33, 0.34, 0.33];
 /// What surrounds the drones.
-const CONDITIONS: Conditions = Conditions { pfa: 1e-3, snr_db: 16.0, swerling: Swerling::One };
+const CONDITIONS: Conditions = Conditions { pfa: 1e-3, snr_db: 16.0, swerling: Swerling::One, reference_cells: 0 };
 
 /// How the two part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -282,7 +282,7 @@ impl Follower {
     }
 
     fn judge(&self, pursuit: &mut Pursuit, k: u32, sight: &Sight, prediction: &Imm, outcome: &Outcome) {
-        let holds = |gate: &Gate| gate.holds(&gate.offset(&sight.plot, &[0.0; COORDINATES]), &sight.plot);
+        let holds = |gate: &Gate| gate.holds(&gate.offset(&sight.plot, 0.0), &sight.plot);
         let in_gate = match self.rules.gate_rule {
             GateRule::Union => gates(prediction, &self.radar, self.rules.alpha).iter().any(holds),
             GateRule::MostProbable | GateRule::Manoeuvre => holds(&outcome.selection.gate),

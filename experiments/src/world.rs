@@ -97,7 +97,7 @@ pub fn mode_before(motion: &Segments, time_s: f64) -> usize {
 }
 
 /// One measurement of a target.
-fn measure(truth: &Kinematics, conditions: &Conditions, rng: &mut impl Rng) -> Measurement {
+pub(crate) fn measure(truth: &Kinematics, conditions: &Conditions, rng: &mut impl Rng) -> Measurement {
     let place = Polar::from_enu(&truth.position_m);
     let rate = range_rate_mps(&truth.position_m, &truth.velocity_mps);
     let mut normal = |sigma: f64| sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, rng);

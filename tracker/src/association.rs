@@ -20,7 +20,7 @@ use common::tracks::{GATE_MANOEUVRE, GATE_MANOEUVRE_FALLBACK, GATE_MOST_PROBABLE
 
 use crate::gate::{self, Gate, Radar};
 use crate::imm::Imm;
-use crate::measurement::{COORDINATES, Expected, Measurement};
+use crate::measurement::{COORDINATES, Measurement};
 use crate::motion::{MANOEUVRE, MODES};
 
 /// How plots are chosen and weighted; the part of the configuration that the filter needs.
@@ -97,6 +97,13 @@ pub struct Selection {
     pub detection_probability: f64,
 }
 
+impl Selection {
+    /// 1 − D P_Gj by mode.
+    pub fn missed(&self) -> [f64; MODES] {
+        self.probability.map(|p_g| 1.0 - self.detection_probability * p_g)
+    }
+}
+
 /// What a track knows of the target's amplitude and of its surroundings.
 #[derive(Debug, Clone, Copy)]
 pub struct Surroundings<'a, F> {
@@ -164,10 +171,10 @@ pub struct FalsePlots {
     pub mean_excess: f64,
 }
 
-/// Fills `candidates` with the plots in the gate that the rule names (T10). `time_ns` is that of the prediction.
+/// Fills `candidates` with the plots in the gate that the rule names (T10). `gates` are the modes' own, `time_ns` is that of the prediction.
 pub fn select<F>(
     prediction: &Imm,
-    expected: &[Expected; MODES],
+    gates: &[Gate; MODES],
     time_ns: u64,
     plots: &[Measurement],
     surroundings: &Surroundings<'_, F>,
@@ -175,7 +182,6 @@ pub fn select<F>(
     candidates: &mut Vec<Candidate>,
 ) -> Selection {
     let radar = surroundings.radar;
-    let gates: [Gate; MODES] = std::array::from_fn(|j| Gate::new(&expected[j], radar, rules.alpha));
     let first = prediction.most_probable();
     let joined: [bool; MODES] =
         std::array::from_fn(|j| j == first || prediction.probability[j] >= rules.union_probability);
@@ -188,7 +194,7 @@ pub fn select<F>(
         }
         let threshold = surroundings.scan_threshold(gates[mode].cells(radar), rules.gate_false_plots);
         candidates.clear();
-        append(&gates, expected, searched, threshold, time_ns, plots, candidates);
+        append(gates, searched, threshold, time_ns, plots, candidates);
         (mode, threshold, !candidates.is_empty())
     };
     let only = |mode: usize| std::array::from_fn(|j| j == mode);
@@ -208,7 +214,7 @@ pub fn select<F>(
         gate,
         mode,
         volume: gate.volume(radar),
-        probability: std::array::from_fn(|j| if by_mode(j) { gate.probability(&expected[j], radar) } else { own }),
+        probability: std::array::from_fn(|j| if by_mode(j) { gate.probability(&gates[j], radar) } else { own }),
         threshold,
         detection_probability: surroundings.detection_probability_above(threshold),
     }
@@ -217,7 +223,6 @@ pub fn select<F>(
 /// Appends the plots of at least `threshold` in any of the gates that are `searched`; the distance is to the nearest of them.
 fn append(
     gates: &[Gate; MODES],
-    expected: &[Expected; MODES],
     searched: [bool; MODES],
     threshold: f64,
     time_ns: u64,
@@ -231,7 +236,7 @@ fn append(
         let offset_s = common::units::seconds_between(time_ns, measurement.time_ns);
         let mut distance = f64::INFINITY;
         for mode in (0..MODES).filter(|&mode| searched[mode]) {
-            let offset = gates[mode].offset(measurement, &expected[mode].drift(offset_s));
+            let offset = gates[mode].offset(measurement, offset_s);
             if gates[mode].holds(&offset, measurement) {
                 distance = distance.min(gates[mode].distance(&offset, measurement));
             }

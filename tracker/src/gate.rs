@@ -43,6 +43,8 @@ pub struct Gate {
     pub centre: [f64; COORDINATES],
     /// p*: predicted variances of the four.
     pub predicted: [f64; COORDINATES],
+    /// How fast the centre moves along the mean motion, per s.
+    pub drift: [f64; COORDINATES],
     /// h: half widths for a plot of nominal errors.
     pub half: [f64; COORDINATES],
     /// α.
@@ -56,19 +58,19 @@ impl Gate {
         let mut half = std::array::from_fn(|i| alpha * (expected.polar_variance[i] + radar.variance[i]).sqrt());
         half[1] = half[1].min(FRAC_PI_2);
         half[2] = half[2].min(FRAC_PI_2);
-        Self { centre: expected.polar(), predicted: expected.polar_variance, half, alpha }
+        Self { centre: expected.polar(), predicted: expected.polar_variance, drift: expected.drift(), half, alpha }
     }
 
     /// Δ: where `measurement` lies from the centre, 0 in coordinates that were not measured.
-    /// `drift` is how far the centre moves until the plot's time.
-    pub fn offset(&self, measurement: &Measurement, drift: &[f64; COORDINATES]) -> [f64; COORDINATES] {
+    /// `offset_s` is the plot's time minus the prediction's: the centre moves until then.
+    pub fn offset(&self, measurement: &Measurement, offset_s: f64) -> [f64; COORDINATES] {
         std::array::from_fn(|i| {
             if !measurement.measured[i] {
                 0.0
             } else if i == 1 {
-                angle::difference(measurement.polar[i], self.centre[i] + drift[i])
+                angle::difference(measurement.polar[i], self.centre[i] + self.drift[i] * offset_s)
             } else {
-                measurement.polar[i] - self.centre[i] - drift[i]
+                measurement.polar[i] - self.centre[i] - self.drift[i] * offset_s
             }
         })
     }
@@ -98,12 +100,12 @@ impl Gate {
         (0..COORDINATES).filter(|&i| radar.measured[i]).map(|i| 2.0 * self.half[i] / radar.cell[i]).product()
     }
 
-    /// Probability that a target of the mode that expects `expected` falls into this gate (T13).
-    pub fn probability(&self, expected: &Expected, radar: &Radar) -> f64 {
-        let centre = expected.polar();
+    /// Probability that a target of the mode whose gate is `other` falls into this one (T13).
+    pub fn probability(&self, other: &Self, radar: &Radar) -> f64 {
+        let centre = other.centre;
         let mut product = 1.0;
         for i in (0..COORDINATES).filter(|&i| radar.measured[i]) {
-            let sd = (expected.polar_variance[i] + radar.variance[i]).sqrt();
+            let sd = (other.predicted[i] + radar.variance[i]).sqrt();
             let shift = if i == 1 { angle::difference(self.centre[i], centre[i]) } else { self.centre[i] - centre[i] };
             product *= 0.5
                 * (libm::erf((shift + self.half[i]) / (sd * SQRT_2))

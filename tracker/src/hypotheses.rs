@@ -12,6 +12,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::association::{Candidate, FalsePlots, Rules, Selection, Surroundings, select};
+use crate::gate::Gate;
 use crate::imm::{Imm, Transition};
 use crate::measurement::{COORDINATES, Expected, Measurement};
 use crate::motion::{DIMENSIONS, MODES, Motion};
@@ -171,7 +172,8 @@ impl Hypotheses {
         for (parent, hypothesis) in self.kept.iter().enumerate() {
             let imm = &hypothesis.imm;
             let expects: [Expected; MODES] = std::array::from_fn(|j| Expected::new(j, &imm.modes[j]));
-            let selection = select(imm, &expects, time_ns, plots, surroundings, rules, &mut own.candidates);
+            let gates = expects.each_ref().map(|expected| Gate::new(expected, surroundings.radar, rules.alpha));
+            let selection = select(imm, &gates, time_ns, plots, surroundings, rules, &mut own.candidates);
             let missed = (0..MODES)
                 .map(|j| imm.probability[j] * (1.0 - selection.detection_probability * selection.probability[j]))
                 .sum::<f64>();

@@ -83,6 +83,11 @@ impl Imm {
         mixture
     }
 
+    /// Σ_j W_j x_j.
+    pub fn average(&self, by_mode: &[f64; MODES]) -> f64 {
+        (0..MODES).map(|j| self.probability[j] * by_mode[j]).sum()
+    }
+
     /// Index of the most probable mode (the first of equals).
     pub fn most_probable(&self) -> usize {
         let mut best = 0;

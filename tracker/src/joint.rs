@@ -9,7 +9,8 @@
 //! permutation counts: without that, PDA draws tracks of near targets together (Blom & Bloem 2000, JPDA*).
 //!
 //! Only plots that τ itself could have caused take part, and what a rival finds elsewhere counts as none: so events
-//! stay few. The predictions of all tracks are those before the scan, so the order of processing does not matter.
+//! stay few. The predictions of all tracks are those before the scan, and what is known of those updated by one message is
+//! what was known before it, so the order of processing does not matter.
 
 use std::f64::consts::TAU;
 
@@ -30,6 +31,8 @@ const MOST_PLOTS: usize = 8;
 const LEAST_RATIO: f64 = 1e-3;
 /// g that a single plot can have at most.
 const MOST_RATIO: f64 = 1e100;
+/// A share is at least this: nothing, but what the plot would be worth without rivals can still be told from the product.
+const LEAST_SHARE: f64 = 1e-30;
 /// Tracks nearer than this may want the same plots, cells of range.
 const RIVAL_CELLS: f64 = 5.0;
 /// Passages nearer than this belong to the same turn, turns.
@@ -81,7 +84,7 @@ struct Event {
 }
 
 impl Sharing {
-    /// Replaces `shares` (one per plot, 1 where nobody else is concerned) by what each of `plots` is worth to `own` among `rivals`.
+    /// Appends to `shares` what each of `plots` is worth to `own` among `rivals`; nothing where no rival is concerned.
     pub fn share<'a>(
         &mut self,
         own: &Claimant<'_>,
@@ -91,7 +94,6 @@ impl Sharing {
         inflation: f64,
         shares: &mut Vec<f64>,
     ) {
-        shares.clear();
         let mut rivals = rivals.peekable();
         if plots.is_empty() || rivals.peek().is_none() {
             return;
@@ -131,10 +133,11 @@ impl Sharing {
             sums[event.own] += event.weight;
         }
         let none = sums[MOST_PLOTS] / own.none;
-        shares.resize(plots.len(), 1.0);
+        let first = shares.len();
+        shares.resize(first + plots.len(), 1.0);
         for (index, &plot) in self.wanted.iter().enumerate() {
             let share = sums[index] / own.ratio[index] / none;
-            shares[plot] = if share.is_finite() { share } else { 1.0 };
+            shares[first + plot] = if share.is_finite() { share.max(LEAST_SHARE) } else { 1.0 };
         }
     }
 }

@@ -11,7 +11,8 @@
 //!                                            life         existence, confirmation, end, SNR    (T18), (T19)
 //! track         one track between passages   site         the radar, as its headers tell
 //! tracker       all of it, one call per message
-//! batch         eight tracks at a time   (T2)-(T5), (T20)    plot_index   plots by azimuth and range
+//! batch         eight tracks at a time   (T2)-(T5), (T20)    group        update of several tracks by it
+//! plot_index    plots by azimuth and range
 //! ```
 //!
 //! Pure: no clock, file, shared memory or thread (but for [`replay`], which reads and writes). Formulas:
@@ -24,6 +25,7 @@ pub mod association;
 pub mod batch;
 pub mod clutter_map;
 pub mod gate;
+pub mod group;
 pub mod hypotheses;
 pub mod imm;
 pub mod initiation;

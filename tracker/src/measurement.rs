@@ -243,14 +243,14 @@ impl Expected {
         d
     }
 
-    /// How far h(u*) moves in (r, β, ε, ṙ) within `offset_s`, along the mean motion.
-    pub fn drift(&self, offset_s: f64) -> [f64; COORDINATES] {
+    /// How fast h(u*) moves in (r, β, ε, ṙ) along the mean motion, per s.
+    pub fn drift(&self) -> [f64; COORDINATES] {
         let across = (self.frame.range_m * self.frame.cos_elevation).max(1.0);
         [
-            self.range_rate * offset_s,
-            dot(self.velocity, self.frame.along_azimuth) / across * offset_s,
-            dot(self.velocity, self.frame.along_elevation) / self.frame.range_m.max(1.0) * offset_s,
-            self.range_rate_drift() * offset_s,
+            self.range_rate,
+            dot(self.velocity, self.frame.along_azimuth) / across,
+            dot(self.velocity, self.frame.along_elevation) / self.frame.range_m.max(1.0),
+            self.range_rate_drift(),
         ]
     }
 

@@ -8,11 +8,13 @@ use common::plots::PlotsHeader;
 use common::units::from_db;
 
 use crate::amplitude::Amplitude;
+use crate::association::{FalsePlots, Surroundings};
+use crate::batch::Kernel;
 use crate::clutter_map::ClutterMap;
 use crate::gate::Radar;
 use crate::initiation::Reach;
 use crate::joint::Claimant;
-use crate::measurement::Measurement;
+use crate::measurement::{COORDINATES, Measurement};
 use crate::track::{Kinematics, LiveTrack, Passage};
 
 /// Cells tested per false plot where the radar does not say: its plots are not the result of a known threshold.
@@ -26,6 +28,7 @@ pub(crate) struct Site {
     /// Whether the header says how plots were detected; else decision statistics have no scale.
     pub(crate) threshold_is_known: bool,
     pub(crate) kinematics: Kinematics,
+    pub(crate) kernel: Kernel,
     pub(crate) clutter: ClutterMap,
 }
 
@@ -38,11 +41,13 @@ impl Site {
         let radar = Radar { variance, cell, measured: [true, true, cell[2] > 0.0, cell[3] > 0.0] };
         let detector = Detector::new(pfa, header.reference_cells);
         let base = config.clutter_floor.max(header.pfa);
+        let kinematics = Kinematics::new(config, &radar);
         Self {
             radar,
             detector,
             threshold_is_known: header.pfa > 0.0,
-            kinematics: Kinematics::new(config, &radar),
+            kinematics,
+            kernel: Kernel::new(kinematics.motion, radar, config.gate_alpha, config.range_rate_inflation),
             clutter: ClutterMap::new(radar, detector, base, config.clutter_map_scans),
         }
     }
@@ -95,6 +100,23 @@ impl Site {
     /// Statistics of a track's power, where the radar's threshold is known.
     pub(crate) fn statistics<'a>(&self, amplitude: &'a Amplitude) -> Option<&'a TargetStatistics> {
         self.threshold_is_known.then(|| amplitude.statistics())
+    }
+
+    /// What a track knows of its surroundings in turn `turn`; `shares` are those of the plots offered to it.
+    pub(crate) fn surroundings<'a>(
+        &'a self,
+        config: &TrackerConfig,
+        amplitude: &'a Amplitude,
+        shares: &'a [f64],
+        turn: u32,
+    ) -> Surroundings<'a, impl Fn(&[f64; COORDINATES]) -> FalsePlots> {
+        Surroundings {
+            radar: &self.radar,
+            detection_probability: self.detection_probability(config, amplitude),
+            target: self.statistics(amplitude),
+            shares,
+            clutter: move |polar: &[f64; COORDINATES]| self.clutter.at(polar, turn, None),
+        }
     }
 
     /// A track as one that wants plots.

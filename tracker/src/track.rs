@@ -105,7 +105,7 @@ impl Passage {
         for (mode, predicted) in self.prediction.modes.iter().enumerate() {
             let expected = Expected::new(mode, predicted);
             let gate = Gate::new(&expected, radar, alpha);
-            mask |= u32::from(gate.holds(&gate.offset(plot, &expected.drift(offset_s)), plot)) << mode;
+            mask |= u32::from(gate.holds(&gate.offset(plot, offset_s), plot)) << mode;
         }
         mask
     }

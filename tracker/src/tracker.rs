@@ -3,6 +3,7 @@
 //! ```text
 //!  plots of a sector ─▶ store, ordered by beam angle
 //!  every track whose gates the beam has passed: gate ─▶ associate ─▶ update ─▶ existence ─▶ predict its next passage
+//!                                               └─ up to eight at once ─┘
 //!  every plot that no confirmed track can still claim: clutter map, pair with last turn ─▶ tentative track
 //! ```
 //!
@@ -11,6 +12,7 @@
 //! depends on the time of day, on threads or on the order of plots in a message.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use common::config::{Association, ConfigError, TrackerConfig};
 use common::health::{Reject, Rejected};
@@ -20,7 +22,9 @@ use common::tracks::{TERMINATED, Track};
 use common::units::seconds_between;
 
 use crate::amplitude::Amplitude;
-use crate::association::{Rules, Surroundings};
+use crate::association::Rules;
+use crate::batch::LANES;
+use crate::group::{Group, Member};
 use crate::hypotheses::{Hypotheses, Room};
 use crate::imm::transition;
 use crate::initiation::Reach;
@@ -33,7 +37,7 @@ use crate::site::{self, Site};
 use crate::start::two_plots;
 use crate::sweep::{Continuation, Sweep};
 use crate::track::{LastScan, LiveTrack, Passage};
-use crate::update::{Workspace, update};
+use crate::update::{Outcome, Workspace, update};
 
 /// Mode probabilities of a new track.
 const START_PROBABILITY: [f64; MODES] = [0.33, 0.34, 0.33];
@@ -52,6 +56,9 @@ const SAME_VELOCITY: f64 = 9.0;
 const LATE_CELLS: f64 = 2.0;
 /// A prediction is renewed if the beam will pass this much earlier or later than it was made for, s.
 const TIMING_S: f64 = 0.02;
+/// Tracks due at once from which updating them as a group costs less than one by one.
+const LEAST_GROUP: usize = 3;
+
 /// What became of one message.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct Taken {
@@ -77,13 +84,34 @@ pub struct Tracker {
     next_id: u64,
     /// Indices of the tracks due, reused.
     due: Vec<usize>,
-    /// Plots and weights of the track at hand, reused.
-    claims: Vec<(usize, f64)>,
-    /// What the plots at hand are worth among several tracks, reused.
+    /// The passages of those tracks, reused.
+    visits: Vec<Visit>,
+    /// What the plots of the visits are worth among several tracks, reused.
     shares: Vec<f64>,
     sharing: Sharing,
-    workspace: Workspace,
+    /// Whether tracks are updated in groups where that is possible.
+    in_groups: bool,
+    group: Group,
+    /// Candidates and weights of the visits at hand, reused.
+    workspaces: [Workspace; LANES],
+    /// What became of them, reused.
+    outcomes: Vec<Outcome>,
+    /// Plots and weights of the track at hand, reused.
+    claims: Vec<(usize, f64)>,
     room: Room,
+}
+
+/// A passage of the beam over a track that is being processed: [`LiveTrack::next`].
+#[derive(Debug, Clone)]
+struct Visit {
+    /// Index of the track.
+    track: usize,
+    /// Turn of the beam, for the clutter map.
+    turn: u32,
+    /// Indices of the plots that are offered.
+    plots: Range<usize>,
+    /// Where their shares are; empty where no other track wants them.
+    shares: Range<usize>,
 }
 
 impl Tracker {
@@ -103,12 +131,22 @@ impl Tracker {
             tracks: Vec::new(),
             next_id: first_id,
             due: Vec::new(),
-            claims: Vec::new(),
+            visits: Vec::new(),
             shares: Vec::new(),
             sharing: Sharing::default(),
-            workspace: Workspace::default(),
+            in_groups: true,
+            group: Group::default(),
+            workspaces: Default::default(),
+            outcomes: Vec::new(),
+            claims: Vec::new(),
             room: Room::default(),
         })
+    }
+
+    /// Updates tracks one by one, never in groups, to compare.
+    #[must_use]
+    pub fn one_by_one(self) -> Self {
+        Self { in_groups: false, ..self }
     }
 
     /// Takes the plots of one sector and replaces `tracks` by the tracks that it brought up to date:
@@ -190,6 +228,8 @@ impl Tracker {
 
     /// Processes the tracks whose gates the beam has passed, in the order in which it did. At the end of the
     /// stream those follow whose target was passed, as nothing more will come.
+    ///
+    /// All are prepared before any is settled: what they know of each other is from before the message.
     fn process_due(&mut self, covered_rad: f64, ended: bool, site: &mut Site, tracks: &mut Vec<Track>) {
         self.due.clear();
         for (index, track) in self.tracks.iter().enumerate() {
@@ -202,20 +242,30 @@ impl Tracker {
         due.sort_unstable_by(|&a, &b| {
             all[a].next.due_rad().total_cmp(&all[b].next.due_rad()).then(all[a].id.cmp(&all[b].id))
         });
+        self.visits.clear();
         for position in 0..self.due.len() {
-            let index = self.due[position];
-            if self.tracks[index].life.state == TERMINATED {
-                continue;
+            let visit = self.prepare(self.due[position], covered_rad, site);
+            self.visits.push(visit);
+        }
+        self.share_out(site);
+        for first in (0..self.visits.len()).step_by(LANES) {
+            let group = first..self.visits.len().min(first + LANES);
+            self.update(group.clone(), site);
+            for (lane, position) in group.enumerate() {
+                let visit = self.visits[position].clone();
+                if self.tracks[visit.track].life.state == TERMINATED {
+                    continue;
+                }
+                self.settle(&visit, lane, site);
+                tracks.push(self.tracks[visit.track].message());
+                self.merge_duplicate(visit.track, tracks);
             }
-            self.process(index, covered_rad, site);
-            tracks.push(self.tracks[index].message());
-            self.merge_duplicate(index, tracks);
         }
     }
 
-    /// One passage of one track.
-    fn process(&mut self, index: usize, covered_rad: f64, site: &mut Site) {
-        let Self { config, rules, sweep, plots, tracks, workspace, room, claims, shares, sharing, .. } = self;
+    /// One passage of one track, up to the plots that are offered to it.
+    fn prepare(&mut self, index: usize, covered_rad: f64, site: &Site) -> Visit {
+        let Self { config, sweep, plots, tracks, .. } = self;
         let track = &mut tracks[index];
         // Whole turns may have been lost: the passage that counts is the last one covered.
         let lost_turns = ((covered_rad - track.next.due_rad()) / TAU).floor();
@@ -227,71 +277,117 @@ impl Tracker {
             let angle_rad = track.next.angle_rad;
             track.next = site.kinematics.at(&track.posterior, track.time_ns, beam_ns, angle_rad, &site.radar);
         }
-        let passage = track.next;
         track.amplitude.look(config, &site.detector);
-        let turn = (passage.angle_rad / TAU).max(0.0) as u32;
+        let passage = &track.next;
         let from_rad = (passage.angle_rad - passage.half_width_rad).max(track.searched_to_rad);
-        let to_rad = passage.due_rad();
-        let range = plots.between(from_rad, to_rad);
-        let offered = plots.measurements(range.clone());
-        let clutter = |polar: &[f64; COORDINATES]| site.clutter.at(polar, turn, None);
-        let seen = sweep.has_seen(passage.angle_rad);
-        shares.clear();
-        if config.joint_association {
-            let own = site.claimant(config, &tracks[index], &tracks[index].next);
-            let rivals =
-                rivals_of(index, tracks, &site.radar).map(|(rival, expects)| site.claimant(config, rival, expects));
-            sharing.share(&own, rivals, offered, clutter, rules.inflation, shares);
+        Visit {
+            track: index,
+            turn: (passage.angle_rad / TAU).max(0.0) as u32,
+            plots: plots.between(from_rad, passage.due_rad()),
+            shares: 0..0,
         }
-        let track = &mut tracks[index];
-        let surroundings = Surroundings {
-            radar: &site.radar,
-            detection_probability: site.detection_probability(config, &track.amplitude),
-            target: site.statistics(&track.amplitude),
-            shares,
-            clutter,
-        };
-        let outcome = match &mut track.hypotheses {
-            Some(hypotheses) => {
-                let step_s = seconds_between(track.time_ns, passage.time_ns).max(0.0);
-                hypotheses.predict(&transition(site.kinematics.stay, step_s), &site.kinematics.motion, step_s);
-                hypotheses.update(passage.time_ns, offered, &surroundings, rules, workspace, room)
-            }
-            None => update(&passage.prediction, passage.time_ns, offered, &surroundings, rules, workspace),
-        };
+    }
+
+    /// What the plots of each visit are worth among several tracks.
+    fn share_out(&mut self, site: &Site) {
+        let Self { config, rules, plots, tracks, visits, shares, sharing, .. } = self;
+        shares.clear();
+        if !config.joint_association {
+            return;
+        }
+        for visit in visits {
+            let track = &tracks[visit.track];
+            let own = site.claimant(config, track, &track.next);
+            let rivals = rivals_of(visit.track, tracks, &site.radar)
+                .map(|(rival, expects)| site.claimant(config, rival, expects));
+            let clutter = |polar: &[f64; COORDINATES]| site.clutter.at(polar, visit.turn, None);
+            let first = shares.len();
+            let offered = plots.measurements(visit.plots.clone());
+            sharing.share(&own, rivals, offered, clutter, rules.inflation, shares);
+            visit.shares = first..shares.len();
+        }
+    }
+
+    /// The outcomes of up to [`LANES`] visits.
+    fn update(&mut self, visits: Range<usize>, site: &Site) {
+        let Self { config, rules, plots, tracks, shares, room, group, workspaces, outcomes, .. } = self;
+        let visits = &self.visits[visits];
+        let plain = !self.in_groups || visits.len() < LEAST_GROUP || !Group::takes(rules.association);
+        outcomes.clear();
+        if !plain {
+            let members = visits.iter().map(|visit| {
+                let track = &tracks[visit.track];
+                Member {
+                    prediction: &track.next.prediction,
+                    time_ns: track.next.time_ns,
+                    plots: plots.measurements(visit.plots.clone()),
+                    surroundings: site.surroundings(
+                        config,
+                        &track.amplitude,
+                        &shares[visit.shares.clone()],
+                        visit.turn,
+                    ),
+                }
+            });
+            group.update(&site.kernel, members, rules, workspaces, outcomes);
+            return;
+        }
+        for (visit, workspace) in visits.iter().zip(workspaces) {
+            let LiveTrack { hypotheses, next: passage, amplitude, time_ns, .. } = &mut tracks[visit.track];
+            let surroundings = site.surroundings(config, amplitude, &shares[visit.shares.clone()], visit.turn);
+            let offered = plots.measurements(visit.plots.clone());
+            outcomes.push(match hypotheses {
+                Some(hypotheses) => {
+                    let step_s = seconds_between(*time_ns, passage.time_ns).max(0.0);
+                    hypotheses.predict(&transition(site.kinematics.stay, step_s), &site.kinematics.motion, step_s);
+                    hypotheses.update(passage.time_ns, offered, &surroundings, rules, workspace, room)
+                }
+                None => update(&passage.prediction, passage.time_ns, offered, &surroundings, rules, workspace),
+            });
+        }
+    }
+
+    /// Takes over what the update in `lane` made of a visit, and predicts the next.
+    fn settle(&mut self, visit: &Visit, lane: usize, site: &Site) {
+        let Self { config, sweep, plots, tracks, workspaces, outcomes, claims, .. } = self;
+        let (track, workspace, outcome) = (&mut tracks[visit.track], &workspaces[lane], &outcomes[lane]);
+        let passage = track.next;
         let turns = ((passage.angle_rad - track.angle_rad) / TAU).round().max(1.0) as u32;
         if turns > 1 {
             track.life.pass(turns - 1, config);
         }
         track.time_ns = passage.time_ns;
         track.angle_rad = passage.angle_rad;
-        track.searched_to_rad = to_rad;
-        if seen || outcome.plots_in_gate > 0 {
+        track.searched_to_rad = passage.due_rad();
+        if sweep.has_seen(passage.angle_rad) || outcome.plots_in_gate > 0 {
             track.posterior = outcome.posterior;
-            track.life.observe(track.evidence(&outcome), outcome.weight_none < MISS_WEIGHT, config);
+            track.life.observe(track.evidence(outcome), outcome.weight_none < MISS_WEIGHT, config);
         } else {
             track.posterior = passage.prediction;
             track.life.pass(1, config);
         }
+        let offered = plots.measurements(visit.plots.clone());
+        claims.clear();
         for (candidate, weights) in workspace.candidates.iter().zip(&workspace.weights) {
-            let weight: f64 = (0..MODES).map(|j| track.posterior.probability[j] * weights[j]).sum();
+            let weight = track.posterior.average(weights);
             let plot = &offered[candidate.plot];
             if plot.has_power {
                 track.amplitude.learn(plot.power, weight, &site.detector);
             }
             claims.push((candidate.plot, weight));
         }
-        let origin = |plot: usize| (plots.entry(range.start + plot).seq, plots.entry(range.start + plot).index);
-        track.last_scan = LastScan::new(&outcome, &passage, claims, offered, origin, &site.radar);
-        for (plot, weight) in claims.drain(..) {
-            let entry = plots.entry_mut(range.start + plot);
+        let first = visit.plots.start;
+        let origin = |plot: usize| (plots.entry(first + plot).seq, plots.entry(first + plot).index);
+        track.last_scan = LastScan::new(outcome, &passage, claims, offered, origin, &site.radar);
+        for &(plot, weight) in claims.iter() {
+            let entry = plots.entry_mut(first + plot);
             entry.claimed = entry.claimed.max(weight * track.life.existence);
             if track.life.is_confirmed() {
                 entry.explained = entry.explained.max(weight);
             }
         }
         if let Some((best, weight)) = outcome.best {
-            let entry = plots.entry_mut(range.start + best);
+            let entry = plots.entry_mut(first + best);
             track.note_best(entry, weight > MISS_WEIGHT || outcome.ratio_alone > 1.0);
         } else {
             track.shared = None;

@@ -14,6 +14,7 @@
 use common::config::Association;
 
 use crate::association::{Candidate, FalsePlots, Rules, Selection, Surroundings, select, weigh};
+use crate::gate::Gate;
 use crate::imm::Imm;
 use crate::measurement::{COORDINATES, Expected, Likelihood, Measurement, PACKED_4};
 use crate::motion::{DIMENSIONS, MODES};
@@ -26,6 +27,20 @@ pub struct Workspace {
     pub candidates: Vec<Candidate>,
     /// w_jm by candidate, then mode.
     pub weights: Vec<[f64; MODES]>,
+}
+
+impl Workspace {
+    /// The plot of largest Σ_j W_j w_jm (the first of equals) and that weight, W being those of `posterior`.
+    pub(crate) fn best(&self, posterior: &Imm) -> Option<(usize, f64)> {
+        let mut best: Option<(usize, f64)> = None;
+        for (candidate, weight) in self.candidates.iter().zip(&self.weights) {
+            let weight = posterior.average(weight);
+            if best.is_none_or(|(_, most)| weight > most) {
+                best = Some((candidate.plot, weight));
+            }
+        }
+        best
+    }
 }
 
 /// What one scan did to a track.
@@ -71,12 +86,13 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
 ) -> Outcome {
     let expected: [Expected; MODES] = std::array::from_fn(|j| Expected::new(j, &prediction.modes[j]));
     let Workspace { candidates, weights } = workspace;
-    let selection = select(prediction, &expected, time_ns, plots, surroundings, rules, candidates);
+    let gates = expected.each_ref().map(|expected| Gate::new(expected, surroundings.radar, rules.alpha));
+    let selection = select(prediction, &gates, time_ns, plots, surroundings, rules, candidates);
     let plots_in_gate = candidates.len();
     let density = weigh(&selection, surroundings, plots, rules, candidates);
     let hard = matches!(rules.association, Association::Nearest | Association::Strongest);
     let d = surroundings.detection_probability;
-    let missed = selection.probability.map(|p_g| 1.0 - selection.detection_probability * p_g);
+    let missed = selection.missed();
 
     let mut posterior = *prediction;
     weights.clear();
@@ -120,14 +136,6 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
     if !posterior.is_sound() {
         posterior = *prediction; // better an old state than a broken one
     }
-    let mixed = |weight: &[f64; MODES]| (0..MODES).map(|j| posterior.probability[j] * weight[j]).sum::<f64>();
-    let mut best: Option<(usize, f64)> = None;
-    for (candidate, weight) in candidates.iter().zip(weights.iter()) {
-        let weight = mixed(weight);
-        if best.is_none_or(|(_, most)| weight > most) {
-            best = Some((candidate.plot, weight));
-        }
-    }
     Outcome {
         posterior,
         selection,
@@ -136,8 +144,8 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
         mode_none,
         existence_ratio,
         ratio_alone,
-        weight_none: mixed(&mode_none),
-        best,
+        weight_none: posterior.average(&mode_none),
+        best: workspace.best(&posterior),
     }
 }
 

@@ -239,7 +239,7 @@ fn assert_expectation(forecast: &Forecast, lane: usize, prediction: &Imm, radar:
     .map(|(centre, variance, half, drift)| (of(centre), of(variance), of(half), of(drift)));
     for j in 0..MODES {
         let (centre, variance, half, drift) = batch[j];
-        let plain_drift = expected[j].drift(1.0);
+        let plain_drift = expected[j].drift();
         for i in 0..COORDINATES {
             let unit = gates[j].half[i];
             assert!((centre[i] - gates[j].centre[i]).abs() < TOLERANCE * (unit + gates[j].centre[i].abs()), "{j} {i}");
@@ -403,7 +403,7 @@ fn a_bank_is_the_plain_rule() {
             let mut chosen = Vec::new();
             for (index, plot) in plots.iter().enumerate() {
                 let offset_s = seconds_between(time_ns, plot.time_ns);
-                if plot.power >= threshold && plain::is_inside(plot, offset_s, &gates, &expected) {
+                if plot.power >= threshold && plain::is_inside(plot, offset_s, &gates) {
                     chosen.push((index as u32, Choice { plot: *plot, offset_s, gain: gains[index] }));
                 }
             }

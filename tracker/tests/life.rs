@@ -4,11 +4,11 @@ mod harness;
 
 use std::collections::BTreeMap;
 
-use common::config::{Association, GateRule, Logic, TrackerConfig};
+use common::config::{Association, Clutter, GateRule, Logic, TrackerConfig};
 use common::health::Reject;
 use common::plots::{Plot, PlotsHeader};
-use common::tracks::{TERMINATED, Track};
-use harness::{EPOCH_NS, SECTORS, Target, Turning, messages};
+use common::tracks::{STATE, TERMINATED, Track, pack};
+use harness::{EPOCH_NS, FLEET, SECTORS, Target, Turning, messages};
 use nalgebra::Vector3;
 use tracker::Tracker;
 
@@ -16,7 +16,10 @@ type Stream = Vec<(PlotsHeader, Vec<Plot>)>;
 
 /// All tracks that each message brought up to date.
 fn run(config: &TrackerConfig, stream: &Stream) -> Vec<Vec<Track>> {
-    let mut tracker = Tracker::new(config, 1).expect("valid");
+    follow(Tracker::new(config, 1).expect("valid"), stream)
+}
+
+fn follow(mut tracker: Tracker, stream: &Stream) -> Vec<Vec<Track>> {
     let mut tracks = Vec::new();
     stream
         .iter()
@@ -134,7 +137,8 @@ fn every_rule_and_the_planar_radar_hold_their_target() {
 
 #[test]
 fn the_order_of_plots_in_a_message_does_not_matter_and_runs_repeat() {
-    let stream = messages(Turning { false_plots: 400, ..Turning::default() }, &[hovering, eastward_across_north], 20);
+    let targets = [&FLEET[..], &[hovering, eastward_across_north]].concat();
+    let stream = messages(Turning { false_plots: 400, ..Turning::default() }, &targets, 20);
     let mut reversed = stream.clone();
     for (_, plots) in &mut reversed {
         plots.reverse();
@@ -150,6 +154,50 @@ fn the_order_of_plots_in_a_message_does_not_matter_and_runs_repeat() {
     let once = run(&config, &stream);
     assert_eq!(once, run(&config, &stream));
     assert!(same(&once, &run(&config, &reversed)));
+}
+
+/// Pairs that share their plots included.
+#[test]
+fn tracks_updated_in_groups_are_those_updated_one_by_one() {
+    let radar = Turning { fluctuates: true, snr: 300.0, false_plots: 200, ..Turning::default() };
+    let stream = messages(radar, &FLEET, 60);
+    let default = TrackerConfig::default();
+    let variants = [
+        TrackerConfig { association: Association::Pda, clutter: Clutter::NonParametric, ..default.clone() },
+        TrackerConfig { gate_rule: GateRule::MostProbable, ..default.clone() },
+        TrackerConfig { joint_association: false, ..default.clone() },
+        default,
+    ];
+    for config in variants {
+        let tracker = || Tracker::new(&config, 1).expect("valid");
+        let (grouped, single) = (follow(tracker(), &stream), follow(tracker().one_by_one(), &stream));
+        let confirmed = |tracks: &Vec<Track>| tracks.iter().filter(|track| track.is_confirmed()).count();
+        assert!(grouped.iter().any(|tracks| confirmed(tracks) > 20), "{config:?}");
+        assert_eq!(
+            grouped.iter().map(Vec::len).collect::<Vec<usize>>(),
+            single.iter().map(Vec::len).collect::<Vec<usize>>()
+        );
+        for (a, b) in grouped.iter().flatten().zip(single.iter().flatten()) {
+            let facts = |track: &Track| {
+                (track.time_ns, track.id, track.state_code, track.gate_code, track.plots_in_gate, track.hits)
+            };
+            assert_eq!(facts(a), facts(b));
+            assert_eq!((a.best_plot_seq, a.best_plot_index), (b.best_plot_seq, b.best_plot_index));
+            let close = |a: f64, b: f64, scale: f64| (a - b).abs() <= 1e-9 * (b.abs() + scale);
+            for i in 0..STATE {
+                let deviation = b.covariance[pack(i, i)].sqrt();
+                assert!(close(a.state[i], b.state[i], deviation), "{} {} {i}", a.id, a.time_ns);
+                for j in i..STATE {
+                    let scale = deviation * b.covariance[pack(j, j)].sqrt();
+                    assert!(close(a.covariance[pack(i, j)], b.covariance[pack(i, j)], scale), "{} {i} {j}", a.id);
+                }
+            }
+            let numbers = |track: &Track| [track.existence, track.weight_none, track.weight_best, track.snr_db.into()];
+            for (a, b) in numbers(a).into_iter().zip(numbers(b)) {
+                assert!(close(a, b, 1.0), "{a} {b}");
+            }
+        }
+    }
 }
 
 #[test]

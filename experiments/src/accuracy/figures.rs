@@ -121,7 +121,7 @@ fn gates(seed: u64) -> Figure {
             let (k, gate) = (f64::from(record.k), &record.gate);
             let own = &sights[record.k as usize + 1].plot;
             let others_in_gate = || {
-                let inside = |plot: &&Measurement| gate.holds(&gate.offset(plot, &[0.0; COORDINATES]), plot);
+                let inside = |plot: &&Measurement| gate.holds(&gate.offset(plot, 0.0), plot);
                 plots.iter().filter(inside).filter(|plot| *plot != own)
             };
             for (axis, (_, factor)) in axes.into_iter().enumerate() {

@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use pulp::Simd;
 
-use crate::gate::Radar;
+use crate::gate::{Gate, Radar};
 use crate::measurement::COORDINATES;
 use crate::state::at;
 
@@ -61,6 +61,20 @@ impl<const N: usize> Default for Expectation<N> {
             along_elevation: [Row::ZERO; 3],
             square: [Row::ZERO; 2],
             cross: [Row::ZERO; N],
+        }
+    }
+}
+
+impl<const N: usize> Expectation<N> {
+    /// The gate of one lane.
+    pub(super) fn gate(&self, lane: usize, alpha: f64) -> Gate {
+        let of = |rows: &[Row; COORDINATES]| rows.map(|row| row.0[lane]);
+        Gate {
+            centre: of(&self.centre),
+            predicted: of(&self.variance),
+            drift: of(&self.drift),
+            half: of(&self.half),
+            alpha,
         }
     }
 }

@@ -3,7 +3,7 @@
 use common::tracks::STATE;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::gate::Radar;
+use crate::gate::{Gate, Radar};
 use crate::motion::{CONSTANT_VELOCITY, HOVER, MANOEUVRE, MODES, Motion};
 use crate::state::at;
 
@@ -31,6 +31,11 @@ impl Forecast {
     /// U of (T20): the largest of the modes' gates, in resolution cells.
     pub fn cells(&self, lane: usize) -> f64 {
         self.hover.cells.0[lane].max(self.constant_velocity.cells.0[lane]).max(self.manoeuvre.cells.0[lane])
+    }
+
+    /// The modes' gates of half width `alpha` standard deviations, the α that the kernel was given.
+    pub fn gates(&self, lane: usize, alpha: f64) -> [Gate; MODES] {
+        [self.hover.gate(lane, alpha), self.constant_velocity.gate(lane, alpha), self.manoeuvre.gate(lane, alpha)]
     }
 }
 
@@ -65,6 +70,11 @@ impl Kernel {
         self.arch.dispatch(Predict { kernel: self, posterior, step, forecast });
     }
 
+    /// Expected measurements and gates of predictions made elsewhere.
+    pub fn expect(&self, forecast: &mut Forecast) {
+        self.arch.dispatch(Expect { kernel: self, forecast });
+    }
+
     /// Association with `candidates` and update.
     ///
     /// A lane whose posterior would not be sound (a number that is not finite, a negative variance) keeps its prediction.
@@ -76,6 +86,14 @@ impl Kernel {
         for lane in (0..LANES).filter(|&lane| sound.0[lane] == 0.0) {
             posterior.copy_lane(lane, &forecast.prediction);
         }
+    }
+
+    #[inline(always)]
+    fn expect_part<S: Simd>(&self, lanes: Lanes<S>, forecast: &mut Forecast) {
+        let Forecast { prediction, hover, constant_velocity, manoeuvre } = forecast;
+        expect(lanes, &prediction.hover, &self.radar, self.alpha, hover);
+        expect(lanes, &prediction.constant_velocity, &self.radar, self.alpha, constant_velocity);
+        expect(lanes, &prediction.manoeuvre, &self.radar, self.alpha, manoeuvre);
     }
 }
 
@@ -91,14 +109,27 @@ impl WithSimd for Predict<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { kernel: Kernel { motion, radar, alpha, .. }, posterior, step, forecast } = self;
+        let Self { kernel, posterior, step, forecast } = self;
         for part in 0..Lanes::<S>::PARTS {
             let lanes = Lanes::of(simd, part);
-            let Forecast { prediction, hover, constant_velocity, manoeuvre } = &mut *forecast;
-            predict(lanes, posterior, step, motion, prediction);
-            expect(lanes, &prediction.hover, radar, *alpha, hover);
-            expect(lanes, &prediction.constant_velocity, radar, *alpha, constant_velocity);
-            expect(lanes, &prediction.manoeuvre, radar, *alpha, manoeuvre);
+            predict(lanes, posterior, step, &kernel.motion, &mut forecast.prediction);
+            kernel.expect_part(lanes, forecast);
+        }
+    }
+}
+
+struct Expect<'a> {
+    kernel: &'a Kernel,
+    forecast: &'a mut Forecast,
+}
+
+impl WithSimd for Expect<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for part in 0..Lanes::<S>::PARTS {
+            self.kernel.expect_part(Lanes::of(simd, part), self.forecast);
         }
     }
 }

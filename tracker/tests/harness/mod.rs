@@ -23,6 +23,58 @@ pub(crate) const PFA: f64 = 1e-6;
 /// A target: position and velocity at a time.
 pub(crate) type Target = fn(f64) -> (Vector3<f64>, Vector3<f64>);
 
+/// Forty targets in one direction, so that many tracks are due at once: pairs in 20 ranges, of which one target crosses the
+/// other's path within some cells.
+pub(crate) const FLEET: [Target; 40] = [
+    flier::<0>,
+    flier::<1>,
+    flier::<2>,
+    flier::<3>,
+    flier::<4>,
+    flier::<5>,
+    flier::<6>,
+    flier::<7>,
+    flier::<8>,
+    flier::<9>,
+    flier::<10>,
+    flier::<11>,
+    flier::<12>,
+    flier::<13>,
+    flier::<14>,
+    flier::<15>,
+    flier::<16>,
+    flier::<17>,
+    flier::<18>,
+    flier::<19>,
+    flier::<20>,
+    flier::<21>,
+    flier::<22>,
+    flier::<23>,
+    flier::<24>,
+    flier::<25>,
+    flier::<26>,
+    flier::<27>,
+    flier::<28>,
+    flier::<29>,
+    flier::<30>,
+    flier::<31>,
+    flier::<32>,
+    flier::<33>,
+    flier::<34>,
+    flier::<35>,
+    flier::<36>,
+    flier::<37>,
+    flier::<38>,
+    flier::<39>,
+];
+
+fn flier<const K: u32>(time_s: f64) -> (Vector3<f64>, Vector3<f64>) {
+    let (pair, second) = (f64::from(K / 2), f64::from(K % 2));
+    let from = Vector3::new(900.0 + 150.0 * pair + 60.0 * second, 1000.0 + 150.0 * pair - 20.0 * second, 150.0);
+    let velocity = Vector3::new(4.0 - 3.0 * second, -2.0 + 0.2 * pair, 0.0);
+    (from + velocity * time_s, velocity)
+}
+
 /// What the radar does.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Turning {
