@@ -204,7 +204,8 @@ impl Follower {
         for plot in [first, second] {
             amplitude.learn(plot.power, 1.0, &self.detector);
         }
-        let hypotheses = (self.config.association == Association::Mht).then(|| Hypotheses::new(&posterior, self.config.hypotheses as usize));
+        let hypotheses = (self.config.association == Association::Mht)
+            .then(|| Hypotheses::new(&posterior, self.config.hypotheses as usize));
         Pursuit { hypotheses, posterior, amplitude, given_up: false, outside: 0, beyond: 0, fate: Fate::default() }
     }
 
@@ -254,9 +255,7 @@ impl Follower {
         let (rules, workspace) = (&self.rules, &mut self.workspace);
         let outcome = match &mut pursuit.hypotheses {
             None => update(&prediction, 0, &self.plots, &surroundings, rules, workspace),
-            Some(hypotheses) => {
-                hypotheses.update(0, &self.plots, &surroundings, rules, workspace, &mut self.room)
-            }
+            Some(hypotheses) => hypotheses.update(0, &self.plots, &surroundings, rules, workspace, &mut self.room),
         };
         if let Some(timed_us) = &mut self.timed_us {
             timed_us.push((predicted + started.elapsed()).as_secs_f64() * 1e6);

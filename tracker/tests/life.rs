@@ -263,3 +263,33 @@ fn the_end_of_the_stream_brings_out_what_waits() {
     let end_ns = stream.last().expect("messages").0.time_ns;
     assert!(last.iter().all(|track| end_ns - track.time_ns < 100_000_000));
 }
+
+/// The score of a track (T20.6) is its existence: it must not drop a weak target that is detected in half of the scans, and must not
+/// follow noise once the target has gone.
+#[test]
+fn no_visible_target_is_dropped_and_no_lost_one_is_kept() {
+    const GONE: u32 = 150;
+    let config = TrackerConfig::default();
+    let (mut followed, mut dropped, mut kept) = (0, 0, Vec::new());
+    for (seed, snr) in (1..=12).flat_map(|seed| [(seed, 20.0), (seed, 60.0)]) {
+        let radar = Turning { seed, snr, fluctuates: true, ..Turning::default() };
+        let mut stream = messages(radar, &[hovering], GONE + 60);
+        let at = hovering(0.0).0;
+        for (header, plots) in &mut stream {
+            if header.scan >= GONE {
+                plots.retain(|plot| (plot.range_m - at.norm()).abs() > 200.0);
+            }
+        }
+        let mut ends = BTreeMap::new();
+        for track in run(&config, &stream).iter().flatten().filter(|track| track.is_confirmed()) {
+            let scan = (track.time_ns - EPOCH_NS) / 1_000_000_000;
+            ends.insert(track.id, scan);
+        }
+        followed += ends.len();
+        dropped += ends.values().filter(|&&scan| scan < u64::from(GONE) - 1).count();
+        kept.extend(ends.into_values().filter_map(|scan| scan.checked_sub(u64::from(GONE))));
+    }
+    assert!(followed >= 24, "{followed} tracks of 24 targets");
+    assert!(dropped <= 1, "{dropped} tracks of visible targets dropped");
+    assert!(kept.iter().all(|&scans| scans <= 30), "scans that tracks outlived their targets: {kept:?}");
+}

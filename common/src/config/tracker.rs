@@ -155,7 +155,7 @@ impl Default for TrackerConfig {
             snr_prior_scans: 3.0,
             detection_probability: 0.95,
             start_speed_mps: 60.0,
-            start_density: 1e-9,
+            start_density: 1e-7,
             start_existence: 0.5,
             survival_probability: 0.998,
             logic: Logic::Existence,
@@ -164,7 +164,7 @@ impl Default for TrackerConfig {
             confirm_hits: 3,
             confirm_scans: 5,
             tentative_misses: 3,
-            confirmed_misses: 8,
+            confirmed_misses: 20,
         }
     }
 }
