@@ -60,9 +60,10 @@ pub(super) fn run(options: &Options, progress: &Progress) -> anyhow::Result<Resu
     let runs_of_each = options.runs_or(200, 2);
     let mut results = Results { runs: runs_of_each, ..Results::default() };
     let kinds = [Swerling::Zero, Swerling::One];
-    progress.expect(u64::from(runs_of_each) * 2 * (kinds.len() * PFA.len()) as u64);
+    let pfas = if options.quick { &PFA[..1] } else { &PFA };
+    progress.expect(u64::from(runs_of_each) * 2 * (kinds.len() * pfas.len()) as u64);
     for swerling in kinds {
-        for pfa in PFA {
+        for &pfa in pfas {
             progress.say(format!("Swerling {}, F = {pfa:e}", fluctuation::name(swerling)));
             let through = |run| through_cells(options.seed, run, swerling, pfa);
             let flights = runs(options.threads, runs_of_each, progress, through);
