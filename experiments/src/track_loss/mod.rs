@@ -49,8 +49,8 @@ struct Case {
 /// # Errors
 /// Never.
 pub fn run(options: &Options, progress: &Progress) -> anyhow::Result<Results> {
-    let usual = options.runs_or(1000, 6);
-    let runs_of = |setting: &Setting| options.runs_or(if setting.is_mht() { 300 } else { 1000 }, 6);
+    let usual = options.runs_or(1000, 2);
+    let runs_of = |setting: &Setting| options.runs_or(if setting.is_mht() { 300 } else { 1000 }, 2);
     let settings = cases::all(options);
     progress.expect(settings.iter().map(|setting| u64::from(runs_of(setting))).sum());
     let mut results = Results { runs: usual, ..Results::default() };
@@ -153,7 +153,7 @@ fn cost(options: &Options) -> String {
         .map(|setting| {
             let conditions = setting.conditions();
             let mut follower = Follower::new(&setting.config(), &conditions);
-            let runs = options.runs_or(20, 2).min(20);
+            let runs = options.runs_or(20, 1).min(20);
             let mut all: Vec<f64> = (0..runs)
                 .flat_map(|run| {
                     follower.time_us(&sights(setting.trajectory, &conditions, options.seed, run), options.seed, run)
