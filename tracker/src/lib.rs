@@ -4,11 +4,12 @@
 //! ```text
 //! sweep         where the beam is            measurement  plot → y, R; what a mode expects     (T5)-(T8)
 //! plot_store    plots by beam angle          gate         which plots may be the track's       (T9)-(T11), (T13)
-//! state         mean and covariance          association  and how much each one is             (T12)
+//! state         mean and covariance          association  and how much each one is             (T12), (T20)
 //! motion        the three modes  (T1)        update       all modes with all plots             (T14)-(T16)
 //! imm           mixing  (T2)-(T4)            start, initiation  two plots make a track         (T17), (T18)
 //! clutter_map   false plots to expect        joint        plots that several tracks want
-//!                                            life         existence, confirmation, end, SNR    (T18), (T19)
+//! amplitude     SNR        (T19), (T20.5)    life         existence, confirmation, end         (T18), (T20.6)
+//! hypotheses    several histories  (T21)
 //! track         one track between passages   site         the radar, as its headers tell
 //! tracker       all of it, one call per message
 //! batch         eight tracks at a time   (T2)-(T5), (T20)    group        update of several tracks by it

@@ -80,7 +80,7 @@ pub struct TrackerConfig {
     pub gate_false_plots: f64,
     /// α: half width of gates in standard deviations (T9).
     pub gate_alpha: f64,
-    /// P_G of each mode in the gate in use (T13), or one for all.
+    /// P_G of each mode in the gate in use (T13), or one for all; with the gates of all modes each has its own anyway.
     pub gate_probability_by_mode: bool,
     /// γ: inflation of the range rate's variance (T7).
     pub range_rate_inflation: f64,
@@ -88,7 +88,7 @@ pub struct TrackerConfig {
     pub association: Association,
     /// For `mht`: hypotheses kept of each track.
     pub hypotheses: u32,
-    /// Whether tracks take account of each other's claims to plots (linear multi-target approximation).
+    /// Whether tracks take account of each other's claims to plots (joint events without coalescence).
     pub joint_association: bool,
     /// `parametric` or `non-parametric` clutter (T12).
     pub clutter: Clutter,
