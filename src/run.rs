@@ -52,13 +52,13 @@ fn supervise(chain: &ChainConfig) -> anyhow::Result<(End, u32)> {
     let _keeper = station.keep_services()?;
     let health = station.subscriber::<HealthReports>()?;
     let wake = station.wake(Topic::Health)?;
-    let mut reporter = HealthReporter::new(&station, NAME, new_session())?;
+    let mut reporter = HealthReporter::new(&station, chain, new_session(), 0)?;
     let file = Domain::root(&chain.ipc).join("chain.toml");
     std::fs::write(&file, chain.to_toml()).with_context(|| format!("writing {}", file.display()))?;
 
     let mut supervisor = Supervisor::start(chain, file)?;
     let (mut board, mut screen, mut end) = (Board::default(), Screen::new(), None);
-    let attended = attend(&[&wake], || -> anyhow::Result<Flow> {
+    let attended = attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
         while let Some(report) = health.receive()? {
             report.elements().iter().for_each(|health| board.take(health));
         }

@@ -1,16 +1,19 @@
 //! What the shells of all processes share: arguments, signals, logging, health, exit codes.
 
-use std::io::IsTerminal;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use sd_notify::NotifyState;
+
 use crate::config::{self, ChainConfig, ConfigError};
-use crate::health::Health;
-use crate::ipc::{IpcError, Publisher, Station};
+use crate::health::{Condition, Health};
+use crate::ipc::{IpcError, Publisher, Station, Watchdog};
+use crate::logging;
 use crate::services::{HealthHeader, HealthReports};
-use crate::time::{monotonic_ns, process_cpu_ns, resident_bytes};
+use crate::time::{monotonic_ns, open_files, process_cpu_ns, resident_bytes};
 
 /// Exit code: the chain ran, but a budget, loss limit or check was broken.
 pub const EXIT_CHECK_BROKEN: u8 = 1;
@@ -65,14 +68,14 @@ pub fn supervise(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) ->
 }
 
 fn conclude(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
-    start_logging();
+    logging::start();
     match body() {
         Ok(code) => code,
         Err(error) if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(IpcError::Stopped { .. }))) => {
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("{name}: {error:#}");
+            say(&format!("{name}: {error:#}"));
             let usage = error.chain().any(|cause| cause.is::<ConfigError>() || cause.is::<BadInput>());
             let memory = |cause: &IpcError| matches!(cause, IpcError::SharedMemoryTooSmall { .. });
             let usage = usage || error.chain().any(|cause| cause.downcast_ref().is_some_and(memory));
@@ -81,15 +84,9 @@ fn conclude(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> Exit
     }
 }
 
-/// Log lines of level `warn` and above go to standard error; `RADAR_LOG` sets another filter.
-fn start_logging() {
-    let filter = tracing_subscriber::EnvFilter::try_from_env("RADAR_LOG")
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
-    let _ = tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_writer(std::io::stderr)
-        .try_init();
+/// Writes a line for the user to standard error. Whoever read it may be gone: that is no reason to end.
+pub fn say(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
 static SIGNALS: AtomicU32 = AtomicU32::new(0);
@@ -121,24 +118,33 @@ pub fn new_session() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |elapsed| elapsed.as_nanos() as u64)
 }
 
-/// Publishes the health of a process: at every scan and at least once a second.
+/// Publishes the health of a process: at every scan and at least once a second. A service manager that
+/// watches over the process (`NOTIFY_SOCKET`) hears of it at the same times.
 pub struct HealthReporter {
     publisher: Publisher<HealthReports>,
     /// The report, to be kept up to date by the process.
     pub health: Health,
+    watchdog: Watchdog,
     last: Option<Instant>,
     last_scan: u32,
 }
 
 impl HealthReporter {
-    /// A reporter for the process `name` of this `session`.
+    /// A reporter for the process `name` of this `session`. `refused` are the real-time wishes
+    /// that [`crate::realtime::take`] could not fulfil.
     ///
     /// # Errors
     /// [`IpcError`].
-    pub fn new(station: &Station, name: &str, session: u64) -> Result<Self, IpcError> {
-        let mut health = Health { session, pid: std::process::id(), ..Health::default() };
-        health.set_process(name);
-        Ok(Self { publisher: station.publisher(1, &[])?, health, last: None, last_scan: u32::MAX })
+    pub fn new(station: &Station, chain: &ChainConfig, session: u64, refused: u32) -> Result<Self, IpcError> {
+        let mut health = Health { session, pid: std::process::id(), refused, ..Health::default() };
+        health.set_process(station.process());
+        let watchdog = Watchdog::new(chain, station.process());
+        Ok(Self { publisher: station.publisher(1, &[])?, health, watchdog, last: None, last_scan: u32::MAX })
+    }
+
+    /// The watchdog of the process, for [`crate::ipc::attend`].
+    pub fn watchdog(&self) -> Watchdog {
+        self.watchdog.clone()
     }
 
     /// Whether a report is due: a new scan or a second has passed.
@@ -158,11 +164,25 @@ impl HealthReporter {
         self.health.heartbeat_ns = monotonic_ns();
         self.health.cpu_ns = process_cpu_ns();
         self.health.rss_bytes = resident_bytes();
+        self.health.files = open_files();
+        self.watchdog.describe(&mut self.health);
         let header = HealthHeader { session: self.health.session, seq: self.health.seq };
         self.publisher.publish(&header, std::slice::from_ref(&self.health), |_| {})?;
+        self.tell_service_manager();
         self.health.seq += 1;
         self.last = Some(Instant::now());
         self.last_scan = self.health.scan;
         Ok(())
+    }
+
+    fn tell_service_manager(&self) {
+        let status = format!("scan {}, {}", self.health.scan, Condition::of(self.health.condition).text());
+        let news = match (self.health.seq, self.health.ended) {
+            (_, 1) => NotifyState::Stopping,
+            (0, _) => NotifyState::Ready,
+            _ => NotifyState::Watchdog,
+        };
+        // Without a service manager this does nothing.
+        let _ = sd_notify::notify(&[news, NotifyState::Status(&status)]);
     }
 }

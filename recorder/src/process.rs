@@ -9,6 +9,7 @@ use common::config::ChainConfig;
 use common::ipc::{Flow, IpcError, Station, Subscriber, attend};
 use common::message::END_OF_STREAM;
 use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, stop_requested};
+use common::realtime;
 use common::recording::container::Description;
 use common::recording::{RecordedRef, RecordingError};
 use common::services::{ALL_TOPICS, Dwells, HealthReports, Plots, Topic, Tracks, Truth};
@@ -32,15 +33,16 @@ const LAST_WORDS: Duration = Duration::from_millis(500);
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let session = new_session();
+    let refused = realtime::take(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
     // Subscribed first: what arrives while an earlier part is read waits in the queues.
     let inputs = Inputs::new(&station, &chain)?;
     let mut recorder = Recorder::new(&chain, session)?;
     let wakes = [station.wake(Topic::Tracks)?, station.wake(Topic::Plots)?, station.wake(Topic::Dwells)?];
     let wakes: Vec<_> = wakes.iter().take(if chain.recorder.dwells { 3 } else { 2 }).collect();
-    let mut reporter = HealthReporter::new(&station, NAME, session)?;
+    let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
 
-    attend(&wakes, || -> anyhow::Result<Flow> {
+    attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
         inputs.take_all(&mut recorder)?;
         recorder.flush_if_due();
         let flow = recorder.flow(inputs.tracks.publishers());

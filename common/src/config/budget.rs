@@ -5,14 +5,35 @@ use serde::{Deserialize, Serialize};
 use super::load::{ConfigError, positive, require};
 use crate::latency::{LATENCIES, LATENCY_NAMES};
 
-/// Limit of one latency.
+/// Limits of one latency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Budget {
-    /// Limit, µs.
+    /// Limit, µs: a scan with a value above it is a miss.
     pub limit_us: f64,
     /// Percentile that must not lie above it, 0 to 100.
     pub percentile: f64,
+    /// Further limits, of the median, µs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p50_us: Option<f64>,
+    /// Of the 90th percentile, µs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p90_us: Option<f64>,
+    /// Of the 99th percentile, µs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p99_us: Option<f64>,
+    /// Of the 99.9th percentile, µs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p999_us: Option<f64>,
+}
+
+impl Budget {
+    /// All percentiles with their limits, µs.
+    pub fn limits(&self) -> impl Iterator<Item = (f64, f64)> {
+        let further = [(50.0, self.p50_us), (90.0, self.p90_us), (99.0, self.p99_us), (99.9, self.p999_us)];
+        let further = further.into_iter().filter_map(|(percentile, limit)| Some((percentile, limit?)));
+        std::iter::once((self.percentile, self.limit_us)).chain(further)
+    }
 }
 
 /// Limits of all latencies.
@@ -37,7 +58,14 @@ pub struct BudgetConfig {
 
 impl Default for BudgetConfig {
     fn default() -> Self {
-        let p99 = |limit_us| Budget { limit_us, percentile: 99.0 };
+        let p99 = |limit_us| Budget {
+            limit_us,
+            percentile: 99.0,
+            p50_us: None,
+            p90_us: None,
+            p99_us: None,
+            p999_us: None,
+        };
         Self {
             hop_dwells: p99(1000.0),
             extract: p99(1000.0),
@@ -62,6 +90,10 @@ impl BudgetConfig {
             let valid = budget.percentile > 0.0 && budget.percentile <= 100.0;
             let key = format!("budget.{name}.percentile");
             require(&key, budget.percentile, valid, "a percentile above 0, at most 100")?;
+            for (percentile, limit) in budget.limits().skip(1) {
+                let key = format!("budget.{name}.p{}_us", percentile.to_string().replace('.', ""));
+                positive(&key, limit)?;
+            }
         }
         Ok(())
     }

@@ -12,10 +12,12 @@ mod ipc;
 mod load;
 mod plot_source;
 mod radar;
+mod realtime;
 mod recorder;
 mod run;
 mod sim;
 mod site;
+mod soak;
 mod supervision;
 mod tracker;
 
@@ -25,11 +27,13 @@ pub use ipc::IpcConfig;
 pub use load::{ConfigError, load, parse};
 pub use plot_source::*;
 pub use radar::{RadarConfig, RadarGrid};
+pub use realtime::{RealtimeConfig, Scheduling, StageRealtime, WaitStrategy};
 pub use recorder::{RecorderConfig, ScoringConfig};
 pub use run::{Mode, RunConfig, Source, Speed};
 pub use sim::{ClutterConfig, MotionConfig, SimConfig, Swerling, TargetConfig};
 pub use site::SiteConfig;
-pub use supervision::SupervisionConfig;
+pub use soak::{MetricsConfig, SoakConfig};
+pub use supervision::{SupervisionConfig, WatchdogConfig};
 pub use tracker::*;
 
 use serde::{Deserialize, Serialize};
@@ -60,6 +64,14 @@ pub struct ChainConfig {
     pub budget: BudgetConfig,
     /// `[supervision]`: what happens when a stage dies.
     pub supervision: SupervisionConfig,
+    /// `[watchdog]`: when a stage says that its input is silent or that it is slow.
+    pub watchdog: WatchdogConfig,
+    /// `[realtime]`: processors, priorities and memory of the stages.
+    pub realtime: RealtimeConfig,
+    /// `[soak]`: limits of a soak test.
+    pub soak: SoakConfig,
+    /// `[metrics]`: counters for Prometheus.
+    pub metrics: MetricsConfig,
 }
 
 impl ChainConfig {
@@ -75,7 +87,11 @@ impl ChainConfig {
         self.recorder.check()?;
         self.plot_source.check()?;
         self.budget.check()?;
-        self.supervision.check()
+        self.supervision.check()?;
+        self.watchdog.check()?;
+        self.realtime.check()?;
+        self.soak.check()?;
+        self.metrics.check()
     }
 
     /// The configuration as TOML, complete: what `radar-chain config` prints.

@@ -1,7 +1,9 @@
 //! A shared-memory domain: chains with different prefixes do not see each other.
 
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
+use iceoryx2::node::NodeView;
 use iceoryx2::prelude::*;
 
 use super::IpcError;
@@ -75,14 +77,23 @@ impl Domain {
         clean_dead_nodes(&self.config);
     }
 
-    /// Whether any living process uses the domain.
-    pub fn is_alive(&self) -> bool {
-        let mut alive = false;
+    /// Living processes that use the domain: names and process identifiers.
+    pub fn inhabitants(&self) -> Vec<(String, u32)> {
+        let mut alive = Vec::new();
         let _ = Node::<ipc::Service>::list(&self.config, |state| {
-            alive |= matches!(state, NodeState::Alive(_));
+            if let NodeState::Alive(node) = state {
+                let name = node.details().as_ref().map(|details| details.name().to_string()).unwrap_or_default();
+                let pid = node.details().as_ref().map_or(0, |details| details.process_id().value());
+                alive.push((name, pid.cast_unsigned()));
+            }
             CallbackProgression::Continue
         });
         alive
+    }
+
+    /// Whether any living process uses the domain.
+    pub fn is_alive(&self) -> bool {
+        !self.inhabitants().is_empty()
     }
 
     /// Removes every file of the domain. Only when no process uses it.
@@ -98,20 +109,49 @@ impl Domain {
         }
     }
 
+    /// Makes sure of every page of the domain's segments, this process's among them. Segments are sparse: a page that
+    /// cannot be had when it is first written ends a process by SIGBUS; here it is an error that can be told.
+    ///
+    /// # Errors
+    /// [`IpcError::SharedMemoryTooSmall`].
+    pub(super) fn reserve(&self) -> Result<(), IpcError> {
+        let prefix = Self::file_prefix(&self.prefix);
+        let Ok(entries) = std::fs::read_dir(SHARED_MEMORY) else { return Ok(()) };
+        for entry in entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix)) {
+            // A segment may go while it is looked at.
+            let Ok(file) = std::fs::File::options().write(true).open(entry.path()) else { continue };
+            let Ok(metadata) = file.metadata() else { continue };
+            let held = metadata.blocks() * 512;
+            if held >= metadata.len() {
+                continue;
+            }
+            let reserved = rustix::fs::fallocate(&file, rustix::fs::FallocateFlags::KEEP_SIZE, 0, metadata.len());
+            if reserved == Err(rustix::io::Errno::NOSPC) {
+                let free_mib = free_bytes().unwrap_or(0) >> 20;
+                return Err(IpcError::SharedMemoryTooSmall { free_mib, needed_mib: ((metadata.len() - held) >> 20) + 1 });
+            }
+        }
+        Ok(())
+    }
+
     /// Compares free shared memory with what `chain` needs at most. To be asked before
     /// anything is created: writing to a page that is not there ends a process by SIGBUS.
     ///
     /// # Errors
     /// [`IpcError::SharedMemoryTooSmall`].
     pub fn check_shared_memory(chain: &ChainConfig) -> Result<(), IpcError> {
-        let Ok(space) = rustix::fs::statvfs(SHARED_MEMORY) else { return Ok(()) };
-        let free = space.f_bavail * space.f_frsize;
+        let Some(free) = free_bytes() else { return Ok(()) };
         let needed = shared_memory_needed(chain);
         if free >= needed {
             return Ok(());
         }
         Err(IpcError::SharedMemoryTooSmall { free_mib: free >> 20, needed_mib: (needed >> 20) + 1 })
     }
+}
+
+/// Free shared memory, bytes, where the system says.
+pub fn free_bytes() -> Option<u64> {
+    rustix::fs::statvfs(SHARED_MEMORY).ok().map(|space| space.f_bavail * space.f_frsize)
 }
 
 /// Shared memory that all publishers of `chain` can fill at most, bytes.

@@ -13,12 +13,12 @@ mod station;
 mod subscriber;
 mod wait;
 
-pub use domain::{Domain, shared_memory_needed};
+pub use domain::{Domain, free_bytes, shared_memory_needed};
 pub use intake::count_intake;
 pub use publisher::Publisher;
 pub use station::{Keeper, Station};
 pub use subscriber::{Received, Subscriber};
-pub use wait::{Flow, Wake, attend};
+pub use wait::{Flow, Wake, Watchdog, attend};
 
 /// Why a port or service is not to be had. The process cannot work without: exit code 3.
 #[derive(Debug, thiserror::Error)]

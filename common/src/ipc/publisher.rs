@@ -96,6 +96,7 @@ impl<M: Message> Publisher<M> {
             awaited: Cell::new(consumers),
             started: Cell::new(false),
         };
+        domain.reserve()?;
         this.wake(); // consumers look for a new publisher when they are woken
         Ok(this)
     }

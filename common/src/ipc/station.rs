@@ -64,6 +64,11 @@ impl Station {
         &self.domain
     }
 
+    /// Name of this process.
+    pub fn process(&self) -> &str {
+        &self.process
+    }
+
     /// Creates every service of the site and holds it open.
     ///
     /// # Errors
