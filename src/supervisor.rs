@@ -5,9 +5,11 @@ use std::time::{Duration, Instant};
 
 use common::config::ChainConfig;
 use common::process::{EXIT_BAD_USAGE, EXIT_FAILED};
+use common::time::monotonic_ns;
 use rustix::process::Signal;
 
 use crate::board::Board;
+use crate::orphans::Orphans;
 use crate::screen::Screen;
 use crate::stage::{Event, Stage, StageName};
 
@@ -26,6 +28,9 @@ pub(crate) struct Supervisor {
 /// How long after the source the other stages end by themselves.
 const LAST_WORDS: Duration = Duration::from_secs(3);
 
+/// A stage that has said nothing for so long may hang, or wait for one that does.
+const SUSPECT: Duration = Duration::from_millis(1500);
+
 /// How a supervised run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum End {
@@ -40,7 +45,7 @@ impl Supervisor {
     pub(crate) fn start(chain: &ChainConfig, file: PathBuf) -> anyhow::Result<Self> {
         let mut this = Self { chain: chain.clone(), file, stages: Vec::new(), ending_since: None, told: false };
         for &name in StageName::of(chain) {
-            match Stage::start(name, &this.file, &[], &chain.supervision) {
+            match Stage::start(name, &this.file, &chain.supervision) {
                 Ok(stage) => this.stages.push(stage),
                 Err(error) => {
                     this.kill_all();
@@ -49,6 +54,28 @@ impl Supervisor {
             }
         }
         Ok(this)
+    }
+
+    /// Takes over the processes that a dead launcher has left, and starts those that are missing.
+    pub(crate) fn adopt(chain: &ChainConfig, file: PathBuf, orphans: &Orphans) -> Self {
+        let adopted = |&name| Stage::adopt(name, orphans.process(name), &chain.supervision);
+        let stages = StageName::of(chain).iter().map(adopted).collect();
+        Self { chain: chain.clone(), file, stages, ending_since: None, told: false }
+    }
+
+    /// The processes that run now, upstream last: names and process identifiers.
+    pub(crate) fn running(&self) -> impl Iterator<Item = (StageName, u32)> {
+        self.stages.iter().filter_map(|stage| Some((stage.name, stage.running()?.0)))
+    }
+
+    /// How many processes the chain has.
+    pub(crate) fn stages(&self) -> usize {
+        self.stages.len()
+    }
+
+    /// Whether the source has ended or been asked to.
+    pub(crate) fn is_ending(&self) -> bool {
+        self.ending_since.is_some()
     }
 
     /// Restarts of a process so far.
@@ -60,7 +87,8 @@ impl Supervisor {
     pub(crate) fn step(&mut self, board: &Board, screen: &mut Screen) -> anyhow::Result<Option<End>> {
         for index in 0..self.stages.len() {
             let name = self.stages[index].name;
-            match self.stages[index].look(&self.chain.supervision)? {
+            let said_end = board.of(name.name()).is_some_and(|health| health.ended == 1);
+            match self.stages[index].look(&self.chain.supervision, said_end)? {
                 Event::Nothing => {}
                 Event::Ended => {
                     if name.is_source() {
@@ -94,6 +122,7 @@ impl Supervisor {
                 }
             }
         }
+        self.end_hung(board, screen);
         if self.stages.iter().all(Stage::has_ended) {
             let broken = self.stages.iter().any(Stage::found_broken);
             return Ok(Some(End::Done { broken }));
@@ -114,6 +143,31 @@ impl Supervisor {
             return Ok(Some(End::Failed(EXIT_FAILED)));
         }
         Ok(None)
+    }
+
+    /// Kills the stage that hangs, so that it is started again. A stage that waits for one downstream says nothing
+    /// either: only the most downstream of the silent ones can be the one that hangs.
+    fn end_hung(&mut self, board: &Board, screen: &mut Screen) {
+        if self.ending_since.is_some() {
+            return;
+        }
+        let now_ns = monotonic_ns();
+        for stage in &self.stages {
+            let Some((pid, since)) = stage.running() else { return };
+            let heard = board.of(stage.name.name()).filter(|health| health.pid == pid);
+            let silent = heard.map_or(since, |health| Duration::from_nanos(now_ns.saturating_sub(health.heartbeat_ns)));
+            if silent < SUSPECT {
+                continue;
+            }
+            let supervision = &self.chain.supervision;
+            let limit_s =
+                if stage.name == StageName::Recorder { supervision.recorder_hang_s } else { supervision.hang_s };
+            if limit_s > 0.0 && silent > Duration::from_secs_f64(limit_s) {
+                screen.say(&format!("{} has said nothing for {:.1} s: killing it", stage.name.name(), silent.as_secs_f64()));
+                stage.signal(Signal::KILL);
+            }
+            return;
+        }
     }
 
     /// Asks the source to end at the next sector; the others follow by themselves.

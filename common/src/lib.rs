@@ -15,6 +15,7 @@ pub mod geometry;
 pub mod health;
 pub mod ipc;
 pub mod latency;
+pub mod latency_log;
 pub mod logging;
 pub mod message;
 pub mod pace;

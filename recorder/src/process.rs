@@ -1,11 +1,13 @@
 //! The process `recorder`: takes everything, writes it, and makes the report.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use common::config::ChainConfig;
+use common::latency_log::LatencyLog;
 use common::ipc::{Flow, IpcError, Station, Subscriber, attend};
 use common::message::END_OF_STREAM;
 use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, stop_requested};
@@ -45,6 +47,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
         inputs.take_all(&mut recorder)?;
         recorder.flush_if_due();
+        recorder.fold.close_interval_if_due();
         let flow = recorder.flow(inputs.tracks.publishers());
         if flow == Flow::End || reporter.is_due() {
             recorder.describe(&mut reporter.health);
@@ -125,6 +128,10 @@ impl Recorder {
         for part in &earlier {
             read_whole(part, |message| fold.take(message, 0)).map_err(|error| BadInput(error.to_string()))?;
             info!(part = %part.display(), "earlier part read");
+        }
+        if !chain.soak.log.is_empty() {
+            let opened = File::options().create(true).append(true).open(&chain.soak.log).and_then(LatencyLog::begin);
+            fold.log_latencies(opened.map_err(|error| BadInput(format!("log of latencies {}: {error}", chain.soak.log)))?);
         }
         let description = Description {
             config: chain.to_toml(),

@@ -16,13 +16,15 @@ pub struct SoakConfig {
     pub warm_up: f64,
     /// Resident memory that a process may gain after warm-up, MiB.
     pub growth_mib: f64,
+    /// Where latency histograms by interval are written, in the log format of HdrHistogram; empty for nowhere.
+    pub log: String,
     /// Messages that may be lost, all topics and consumers together.
     pub loss: u64,
 }
 
 impl Default for SoakConfig {
     fn default() -> Self {
-        Self { interval_s: 5.0, warm_up: 0.1, growth_mib: 1.0, loss: 0 }
+        Self { interval_s: 5.0, warm_up: 0.1, growth_mib: 1.0, log: String::new(), loss: 0 }
     }
 }
 

@@ -109,6 +109,17 @@ impl Domain {
         }
     }
 
+    /// Files of the domain that are there.
+    pub fn remains(ipc: &IpcConfig) -> Vec<String> {
+        let root = Self::root(ipc);
+        let mut files: Vec<String> = root.exists().then(|| root.display().to_string()).into_iter().collect();
+        let prefix = Self::file_prefix(&ipc.prefix);
+        let names = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+        let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        files.extend(names.filter(|name| name.starts_with(&prefix)));
+        files
+    }
+
     /// Makes sure of every page of the domain's segments, this process's among them. Segments are sparse: a page that
     /// cannot be had when it is first written ends a process by SIGBUS; here it is an error that can be told.
     ///

@@ -4,9 +4,11 @@
 //! - [`Station`]: a process in the domain; opens the ports of its site.
 //! - [`Publisher`], [`Subscriber`]: one topic each, with the mode's queue policy and
 //!   with losses counted from sequence numbers.
+//! - [`HopSender`], [`HopReceiver`]: the bare hop that ours are compared with.
 //! - [`attend`]: sleep until something arrives or 100 ms have passed.
 
 mod domain;
+mod hop;
 mod intake;
 mod publisher;
 mod station;
@@ -14,6 +16,7 @@ mod subscriber;
 mod wait;
 
 pub use domain::{Domain, free_bytes, shared_memory_needed};
+pub use hop::{HopReceiver, HopSender};
 pub use intake::count_intake;
 pub use publisher::Publisher;
 pub use station::{Keeper, Station};

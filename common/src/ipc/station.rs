@@ -112,6 +112,15 @@ impl Station {
         Wake::new(&self.event(&self.service_name(topic))?, topic)
     }
 
+    /// Services of the bare hop `name`.
+    pub(super) fn hop(&self, name: &str) -> Result<(publish_subscribe::PortFactory<Ipc, u64, ()>, EventService), IpcError> {
+        let service = format!("radar/{}/hop/{name}", self.site);
+        let error = |reason: String| IpcError::Service { service: service.clone(), schema: "hop/1", mode: "real-time", reason };
+        let name = ServiceName::new(&service).map_err(|cause| error(format!("{cause:?}")))?;
+        let data = self.node.service_builder(&name).publish_subscribe::<u64>().max_nodes(MAX_NODES).open_or_create();
+        Ok((data.map_err(|cause| error(format!("{cause:?}")))?, self.event(&service)?))
+    }
+
     /// Health reports are never waited for, whatever the mode of the chain.
     fn policy<M: Message>(&self) -> Mode {
         if M::TOPIC == Topic::Health { Mode::RealTime } else { self.mode }
