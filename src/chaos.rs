@@ -52,7 +52,9 @@ pub(crate) fn chaos(mut chain: ChainConfig, kills: u32) -> anyhow::Result<ExitCo
         println!("BROKEN {finding}");
     }
     if findings.is_empty() {
-        println!("\n{kills} kills: every stage came back within {BACK_WITHIN} scans, the books balance, nothing is left behind");
+        println!(
+            "\n{kills} kills: every stage came back within {BACK_WITHIN} scans, the books balance, nothing is left behind"
+        );
         Ok(ExitCode::SUCCESS)
     } else {
         Ok(ExitCode::from(EXIT_CHECK_BROKEN))
@@ -118,7 +120,8 @@ impl Companion for Monkey {
                 if running.len() == supervisor.stages() && running.iter().all(at_work) {
                     // At least one scan at the end, so that all is seen to work on.
                     let scans = if self.left == 0 { REST_SCANS } else { self.rng.random_range(0.0..REST_SCANS) };
-                    self.state = State::Resting { until: Some(Instant::now() + Duration::from_secs_f64(scans * self.scan_s)) };
+                    self.state =
+                        State::Resting { until: Some(Instant::now() + Duration::from_secs_f64(scans * self.scan_s)) };
                 }
             }
             State::Resting { until: Some(until) } if Instant::now() < until => {}

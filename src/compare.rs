@@ -71,7 +71,13 @@ fn latencies(before: &Report, after: &Report, tolerance: f64) -> Vec<Row> {
             let (old, new) = (median(old, 0), median(new, 1));
             let ratio = ratio(new, old);
             let worse = ratio.lo > 1.0 + tolerance;
-            rows.push(Row { name: format!("{name} {percentile}, µs"), before: old.value, after: new.value, ratio, worse });
+            rows.push(Row {
+                name: format!("{name} {percentile}, µs"),
+                before: old.value,
+                after: new.value,
+                ratio,
+                worse,
+            });
         }
     }
     rows

@@ -101,8 +101,7 @@ fn shared_memory(chain: &ChainConfig) -> Finding {
 
 fn writable(chain: &ChainConfig) -> Finding {
     let places = ["/dev/shm", chain.ipc.root.as_str()];
-    let refused: Vec<&str> =
-        places.into_iter().filter(|place| tempfile::tempfile_in(place).is_err()).collect();
+    let refused: Vec<&str> = places.into_iter().filter(|place| tempfile::tempfile_in(place).is_err()).collect();
     Finding::new("permissions", format!("files in {} can be made", places.join(" and "))).unless(
         !refused.is_empty(),
         Level::Bad,
@@ -156,7 +155,8 @@ fn stages(chain: &ChainConfig) -> [&common::config::StageRealtime; 4] {
 }
 
 fn real_time(chain: &ChainConfig) -> Finding {
-    let wished = stages(chain).iter().filter(|stage| stage.scheduling == Scheduling::Fifo).map(|stage| stage.priority).max();
+    let wished =
+        stages(chain).iter().filter(|stage| stage.scheduling == Scheduling::Fifo).map(|stage| stage.priority).max();
     let limit = getrlimit(Resource::Rtprio).current;
     let root = rustix::process::geteuid().is_root();
     let allowed = root || limit.is_none_or(|limit| limit >= u64::from(wished.unwrap_or(0)));
@@ -196,9 +196,10 @@ fn recordings(chain: &ChainConfig) -> Finding {
 /// Domains of chains that are no more.
 fn leftovers(chain: &ChainConfig) -> Finding {
     let Ok(entries) = std::fs::read_dir(&chain.ipc.root) else { return Finding::new("leftovers", "none") };
-    let prefixes = entries.flatten().filter(|entry| entry.path().is_dir()).filter_map(|entry| {
-        entry.file_name().to_string_lossy().strip_prefix("radar-chain-").map(String::from)
-    });
+    let prefixes = entries
+        .flatten()
+        .filter(|entry| entry.path().is_dir())
+        .filter_map(|entry| entry.file_name().to_string_lossy().strip_prefix("radar-chain-").map(String::from));
     let dead: Vec<String> = prefixes
         .filter(|prefix| {
             let ipc = common::config::IpcConfig { prefix: prefix.clone(), ..chain.ipc.clone() };

@@ -127,7 +127,11 @@ fn page(board: &Board) -> String {
         }
     }
     for (name, help, count) in [
-        ("radar_messages_received_total", "Messages received", (|intake| intake.received) as fn(&common::health::Intake) -> u64),
+        (
+            "radar_messages_received_total",
+            "Messages received",
+            (|intake| intake.received) as fn(&common::health::Intake) -> u64,
+        ),
         ("radar_messages_lost_total", "Messages missing, from gaps of the sequence numbers", |intake| intake.lost),
     ] {
         head(&mut text, name, "counter", help);

@@ -76,11 +76,18 @@ pub(crate) struct Stage {
 
 #[derive(Debug)]
 enum State {
-    Running { process: Process, since: Instant },
+    Running {
+        process: Process,
+        since: Instant,
+    },
     /// Died; it is started again at this time.
-    Waiting { until: Instant },
+    Waiting {
+        until: Instant,
+    },
     /// Ended, and whether it found something broken.
-    Ended { broken: bool },
+    Ended {
+        broken: bool,
+    },
     /// Died when it could not be started again any more.
     GivenUp,
 }
@@ -146,8 +153,7 @@ impl Stage {
                     }
                     _ => {
                         let first = Duration::from_secs_f64(config.backoff_s);
-                        self.backoff =
-                            if lived > RECOVERED { first } else { (self.backoff * 2).min(LONGEST_BACKOFF) };
+                        self.backoff = if lived > RECOVERED { first } else { (self.backoff * 2).min(LONGEST_BACKOFF) };
                         self.state = State::Waiting { until: Instant::now() + self.backoff / 2 };
                         return Ok(Event::Died(signal));
                     }

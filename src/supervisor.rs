@@ -163,7 +163,11 @@ impl Supervisor {
             let limit_s =
                 if stage.name == StageName::Recorder { supervision.recorder_hang_s } else { supervision.hang_s };
             if limit_s > 0.0 && silent > Duration::from_secs_f64(limit_s) {
-                screen.say(&format!("{} has said nothing for {:.1} s: killing it", stage.name.name(), silent.as_secs_f64()));
+                screen.say(&format!(
+                    "{} has said nothing for {:.1} s: killing it",
+                    stage.name.name(),
+                    silent.as_secs_f64()
+                ));
                 stage.signal(Signal::KILL);
             }
             return;

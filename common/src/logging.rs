@@ -19,7 +19,9 @@ pub(crate) fn start() {
     let lines = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
     let started = match form().as_str() {
         "json" => lines.json().flatten_event(true).try_init(),
-        "journal" => lines.with_ansi(false).event_format(Journal(Format::default().without_time().with_level(false))).try_init(),
+        "journal" => {
+            lines.with_ansi(false).event_format(Journal(Format::default().without_time().with_level(false))).try_init()
+        }
         _ => lines.with_ansi(std::io::stderr().is_terminal()).try_init(),
     };
     let _ = started; // a second start in one process changes nothing

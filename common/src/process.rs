@@ -147,12 +147,12 @@ impl HealthReporter {
         self.watchdog.clone()
     }
 
-    /// Whether a report is due: a new scan or a second has passed.
+    /// Whether a report is due: a new scan or a second has passed, or a tenth of one while the process is young.
     pub fn is_due(&self) -> bool {
+        let pause = Duration::from_millis(if self.health.seq < 8 { 100 } else { 1000 });
         self.last.is_none_or(|last| {
             let elapsed = last.elapsed();
-            elapsed >= Duration::from_secs(1)
-                || (self.health.scan != self.last_scan && elapsed >= Duration::from_millis(50))
+            elapsed >= pause || (self.health.scan != self.last_scan && elapsed >= Duration::from_millis(50))
         })
     }
 

@@ -499,18 +499,16 @@ mod tests {
     fn a_report_reads_back_and_has_a_text() {
         let mut report = Report { scans: 60, config: Some(ChainConfig::default()), ..Report::default() };
         report.latency_us.insert("end_to_end".into(), Percentiles { n: 5, p50: 300.0, ..Percentiles::default() });
-        report
-            .budget
-            .insert(
-                "end_to_end".into(),
-                BudgetResult {
-                    limit_us: 5000.0,
-                    percentile: 99.0,
-                    misses: 0,
-                    ok: true,
-                    limits: vec![LimitResult { percentile: 99.0, limit_us: 5000.0, value_us: 400.0, ok: true }],
-                },
-            );
+        report.budget.insert(
+            "end_to_end".into(),
+            BudgetResult {
+                limit_us: 5000.0,
+                percentile: 99.0,
+                misses: 0,
+                ok: true,
+                limits: vec![LimitResult { percentile: 99.0, limit_us: 5000.0, value_us: 400.0, ok: true }],
+            },
+        );
         report.tracking.truth_share = Some(0.737);
         assert_eq!(serde_json::from_str::<Report>(&report.to_json()).expect("JSON"), report);
         let text = report.to_text();

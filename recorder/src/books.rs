@@ -119,13 +119,8 @@ mod tests {
     fn books_balance_with_the_losses_found_gap_by_gap() {
         let (mut books, mut losses) = (Books::default(), Losses::new(0, 0));
         // A queue drops, the tracker dies with plots in its hands, the recorder misses results.
-        let stream = [
-            tracks(1, 2, 1, 0),
-            tracks(1, 3, 2, 1),
-            tracks(1, 9, 5, 4),
-            tracks(2, 14, 1, 0),
-            tracks(2, 20, 7, 6),
-        ];
+        let stream =
+            [tracks(1, 2, 1, 0), tracks(1, 3, 2, 1), tracks(1, 9, 5, 4), tracks(2, 14, 1, 0), tracks(2, 20, 7, 6)];
         for header in &stream {
             books.take(RecordedRef::Tracks(header, &[]));
             losses.take(RecordedRef::Tracks(header, &[]));

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use common::config::ChainConfig;
-use common::latency_log::LatencyLog;
 use common::ipc::{Flow, IpcError, Station, Subscriber, attend};
+use common::latency_log::LatencyLog;
 use common::message::END_OF_STREAM;
 use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
@@ -131,7 +131,9 @@ impl Recorder {
         }
         if !chain.soak.log.is_empty() {
             let opened = File::options().create(true).append(true).open(&chain.soak.log).and_then(LatencyLog::begin);
-            fold.log_latencies(opened.map_err(|error| BadInput(format!("log of latencies {}: {error}", chain.soak.log)))?);
+            fold.log_latencies(
+                opened.map_err(|error| BadInput(format!("log of latencies {}: {error}", chain.soak.log)))?,
+            );
         }
         let description = Description {
             config: chain.to_toml(),

@@ -57,8 +57,7 @@ pub(crate) fn soak(mut chain: ChainConfig, plan: &Plan) -> anyhow::Result<ExitCo
     let _ = std::fs::remove_file(&chain.soak.log); // of an earlier soak
     let resources = Resources::create(&out, Duration::from_secs_f64(chain.soak.interval_s))?;
     let reference = plan.reference.then(|| Reference::of(&chain, &out));
-    let mut companion =
-        Watcher { duration: plan.duration, begun: None, resources, reference, ended: false };
+    let mut companion = Watcher { duration: plan.duration, begun: None, resources, reference, ended: false };
     let limits = chain.clone();
     let launched = launch(chain, &mut companion)?;
     let Watcher { resources, reference, .. } = companion;
@@ -124,7 +123,11 @@ fn conclude(chain: &ChainConfig, outcome: Outcome, series: &Series, out: &Path) 
     }
     let mut report = outcome.report;
     let mut soak = Soak {
-        blocks: LATENCY_NAMES.iter().enumerate().map(|(place, name)| ((*name).into(), course(&intervals, place))).collect(),
+        blocks: LATENCY_NAMES
+            .iter()
+            .enumerate()
+            .map(|(place, name)| ((*name).into(), course(&intervals, place)))
+            .collect(),
         growth_mib: series.growth_mib(chain.soak.warm_up),
         ..Soak::default()
     };

@@ -11,6 +11,7 @@ use common::config::{ChainConfig, Source, Speed};
 use common::ipc::{HopReceiver, HopSender, Station};
 use common::latency::{LATENCY_NAMES, Latency};
 use common::latency_log::LatencyLog;
+use common::plots::{Plot, PlotsHeader};
 use common::process::{BadInput, StageArgs, stop_requested};
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -39,6 +40,9 @@ pub(crate) struct HopArgs {
     /// Between two messages, µs
     #[arg(long)]
     period_us: u64,
+    /// Numbers of 4 bytes in a message
+    #[arg(long)]
+    length: usize,
     /// Where the receiver writes its histograms
     #[arg(long)]
     log: PathBuf,
@@ -75,7 +79,12 @@ impl Reference {
             for end in ["receive", "send"] {
                 let mut command = Command::new(&program);
                 command.args(["hop", end, LATENCY_NAMES[latency as usize], "--period-us"]);
-                command.arg(period.as_micros().to_string()).arg("--log").arg(self.out.join(log_name(latency)));
+                command.arg(period.as_micros().to_string());
+                command
+                    .arg("--length")
+                    .arg(length(&self.chain, latency).to_string())
+                    .arg("--log")
+                    .arg(self.out.join(log_name(latency)));
                 command.arg("--config").arg(&configuration).stdin(Stdio::null());
                 self.children.push(command.spawn().context("starting the bare hop")?);
             }
@@ -117,6 +126,14 @@ fn period(chain: &ChainConfig, latency: Latency) -> Option<Duration> {
     Some(Duration::from_secs_f64(scan_s / speed / f64::from(per_scan)))
 }
 
+/// How long the chain's messages are, numbers of 4 bytes: the cells of a dwell, about ten plots.
+fn length(chain: &ChainConfig, latency: Latency) -> usize {
+    match latency {
+        Latency::HopDwells => chain.radar.grid().cells(),
+        _ => (size_of::<PlotsHeader>() + 10 * size_of::<Plot>()) / 4,
+    }
+}
+
 /// Runs one end of a bare hop until it is asked to stop.
 pub(crate) fn hop(args: &HopArgs) -> anyhow::Result<ExitCode> {
     let known = |latency: &Latency| LATENCY_NAMES[*latency as usize] == args.latency;
@@ -125,7 +142,7 @@ pub(crate) fn hop(args: &HopArgs) -> anyhow::Result<ExitCode> {
     let station = Station::enter("bare-hop", &args.stage.load()?)?;
     match args.end {
         End::Send => {
-            let sender = HopSender::open(&station, &args.latency)?;
+            let sender = HopSender::open(&station, &args.latency, args.length)?;
             let (period, begun) = (Duration::from_micros(args.period_us), Instant::now());
             let mut next = begun;
             while !stop_requested() {
@@ -133,7 +150,7 @@ pub(crate) fn hop(args: &HopArgs) -> anyhow::Result<ExitCode> {
                 next = if phase < ACTIVE { next + period } else { Instant::now() + Duration::from_millis(100) };
                 std::thread::sleep(next.saturating_duration_since(Instant::now()));
                 if phase < ACTIVE {
-                    sender.send()?;
+                    sender.send(args.length)?;
                 }
             }
         }

@@ -59,7 +59,13 @@ pub(super) fn to_text(report: &Report) -> String {
     let _ = writeln!(text, "  {:<30}{balanced} of {} balance", "books", report.books.len());
     for miss in report.misses.iter().take(5) {
         let (scan, latency) = (miss.scan, &miss.latency);
-        let _ = writeln!(text, "  {:<30}scan {scan}: {:.0} µs > {:.0} µs", format!("miss of {latency}"), miss.us, miss.limit_us);
+        let _ = writeln!(
+            text,
+            "  {:<30}scan {scan}: {:.0} µs > {:.0} µs",
+            format!("miss of {latency}"),
+            miss.us,
+            miss.limit_us
+        );
     }
     let misses: u64 = report.budget.values().map(|budget| budget.misses).sum();
     if misses > 5 {

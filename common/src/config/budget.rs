@@ -58,14 +58,8 @@ pub struct BudgetConfig {
 
 impl Default for BudgetConfig {
     fn default() -> Self {
-        let p99 = |limit_us| Budget {
-            limit_us,
-            percentile: 99.0,
-            p50_us: None,
-            p90_us: None,
-            p99_us: None,
-            p999_us: None,
-        };
+        let p99 =
+            |limit_us| Budget { limit_us, percentile: 99.0, p50_us: None, p90_us: None, p99_us: None, p999_us: None };
         Self {
             hop_dwells: p99(1000.0),
             extract: p99(1000.0),

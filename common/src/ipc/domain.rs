@@ -139,7 +139,10 @@ impl Domain {
             let reserved = rustix::fs::fallocate(&file, rustix::fs::FallocateFlags::KEEP_SIZE, 0, metadata.len());
             if reserved == Err(rustix::io::Errno::NOSPC) {
                 let free_mib = free_bytes().unwrap_or(0) >> 20;
-                return Err(IpcError::SharedMemoryTooSmall { free_mib, needed_mib: ((metadata.len() - held) >> 20) + 1 });
+                return Err(IpcError::SharedMemoryTooSmall {
+                    free_mib,
+                    needed_mib: ((metadata.len() - held) >> 20) + 1,
+                });
             }
         }
         Ok(())

@@ -4,12 +4,14 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::{event, publish_subscribe};
 
 use super::domain::{BORROWED, Domain};
+use super::hop::Sent;
 use super::{IpcError, Publisher, Subscriber, Wake};
 use crate::config::{ChainConfig, Mode};
 use crate::services::{ALL_TOPICS, Consumer, Dwells, HealthReports, Message, Plots, Topic, Tracks, Truth};
 
 pub(super) type Ipc = ipc::Service;
 pub(super) type DataService<M> = publish_subscribe::PortFactory<Ipc, [<M as Message>::Element], <M as Message>::Header>;
+pub(super) type HopService = publish_subscribe::PortFactory<Ipc, [f32], Sent>;
 pub(super) type EventService = event::PortFactory<Ipc>;
 
 /// One process at one site of a domain.
@@ -113,11 +115,13 @@ impl Station {
     }
 
     /// Services of the bare hop `name`.
-    pub(super) fn hop(&self, name: &str) -> Result<(publish_subscribe::PortFactory<Ipc, u64, ()>, EventService), IpcError> {
+    pub(super) fn hop(&self, name: &str) -> Result<(HopService, EventService), IpcError> {
         let service = format!("radar/{}/hop/{name}", self.site);
-        let error = |reason: String| IpcError::Service { service: service.clone(), schema: "hop/1", mode: "real-time", reason };
+        let error =
+            |reason: String| IpcError::Service { service: service.clone(), schema: "hop/1", mode: "real-time", reason };
         let name = ServiceName::new(&service).map_err(|cause| error(format!("{cause:?}")))?;
-        let data = self.node.service_builder(&name).publish_subscribe::<u64>().max_nodes(MAX_NODES).open_or_create();
+        let builder = self.node.service_builder(&name).publish_subscribe::<[f32]>().user_header::<Sent>();
+        let data = builder.max_nodes(MAX_NODES).open_or_create();
         Ok((data.map_err(|cause| error(format!("{cause:?}")))?, self.event(&service)?))
     }
 
