@@ -6,6 +6,7 @@ mod child;
 mod claim;
 mod compare;
 mod doctor;
+mod keeper;
 mod machine;
 mod metrics;
 mod orphans;

@@ -72,8 +72,7 @@ pub(crate) fn launch(
         chain = orphans.chain.clone();
     } else {
         if chain.run.id.is_empty() {
-            let now = started.duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-            chain.run.id = format!("{}-{:03}", common::time::utc_compact(now.as_secs()), now.subsec_millis());
+            chain.run.id = run_id();
         }
         check_report_place(Path::new(&chain.recorder.report))?;
         Domain::enter(&chain.ipc)?.remove(); // what a killed chain has left
@@ -90,6 +89,12 @@ pub(crate) fn launch(
             Ok(Ok(Outcome { report, disturbed: broken || restarts > 0, lossy }))
         }
     }
+}
+
+/// Name of a run that begins now.
+pub(crate) fn run_id() -> String {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    format!("{}-{:03}", common::time::utc_compact(now.as_secs()), now.subsec_millis())
 }
 
 /// Runs the processes to their end.

@@ -19,6 +19,7 @@ pub(crate) enum StageName {
     PlotExtractor,
     Tracker,
     Recorder,
+    Keeper,
 }
 
 impl StageName {
@@ -30,6 +31,7 @@ impl StageName {
             Self::PlotExtractor => plot_extractor::process::NAME,
             Self::Tracker => tracker::process::NAME,
             Self::Recorder => recorder::process::NAME,
+            Self::Keeper => crate::keeper::NAME,
         }
     }
 
@@ -41,6 +43,7 @@ impl StageName {
             Self::PlotExtractor => plot_extractor::process::run(args),
             Self::Tracker => tracker::process::run(args),
             Self::Recorder => recorder::process::run(args),
+            Self::Keeper => crate::keeper::keep(args),
         }
     }
 

@@ -192,20 +192,27 @@ impl Supervisor {
     }
 }
 
+/// Tracks of a tracker that was started again are numbered from so many further up.
+pub(crate) const TRACKS_PER_START: u64 = 1_000_000;
+
 /// Where a restarted stage goes on: a source with the scan after the last one that
 /// anybody has seen, a tracker with numbers that no track has had.
 fn resume_at(stage: &Stage, board: &Board, chain: &ChainConfig) -> Vec<String> {
-    const TRACKS_PER_START: u64 = 1_000_000;
     if stage.name.is_source() {
-        let seen = board.all().map(|(_, health, _)| health.scan).max();
-        let next = seen.map_or(chain.run.first_scan, |scan| scan + 1);
-        // A run that was in its last scan repeats it: somebody has to say that it is the end.
-        let last = chain.run.scans.checked_sub(1).unwrap_or(u32::MAX);
-        vec![format!("run.first_scan={}", next.min(last))]
+        vec![format!("run.first_scan={}", next_scan(board, chain))]
     } else if stage.name == StageName::Tracker {
         let first = chain.run.first_track + TRACKS_PER_START * u64::from(stage.restarts + 1);
         vec![format!("run.first_track={first}")]
     } else {
         Vec::new()
     }
+}
+
+/// The scan after the last one that anybody has seen.
+pub(crate) fn next_scan(board: &Board, chain: &ChainConfig) -> u32 {
+    let at_work = board.all().filter(|(_, health, _)| health.messages_out > 0 || health.scan > 0);
+    let seen = at_work.map(|(_, health, _)| health.scan).max();
+    let next = seen.map_or(chain.run.first_scan, |scan| scan + 1);
+    // A run that was in its last scan repeats it: somebody has to say that it is the end.
+    next.min(chain.run.scans.checked_sub(1).unwrap_or(u32::MAX))
 }

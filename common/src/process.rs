@@ -3,14 +3,14 @@
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use sd_notify::NotifyState;
 
 use crate::config::{self, ChainConfig, ConfigError};
 use crate::health::{Condition, Health};
-use crate::ipc::{IpcError, Publisher, Station, Watchdog};
+use crate::ipc::{Domain, IpcError, Publisher, Station, Watchdog};
 use crate::logging;
 use crate::services::{HealthHeader, HealthReports};
 use crate::time::{monotonic_ns, open_files, process_cpu_ns, resident_bytes};
@@ -34,7 +34,35 @@ pub struct StageArgs {
     /// Keep this chain's shared memory apart from others'
     #[arg(long, value_name = "PREFIX")]
     pub ipc_prefix: Option<String>,
+    /// Go on where the run in this domain stands, as its keeper has written down
+    #[arg(long, value_name = "WHAT")]
+    pub resume: Option<Resume>,
 }
+
+/// What a stage that is started again goes on with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Resume {
+    /// A source: the scan after the last one that anybody has seen
+    Scan,
+    /// A tracker: track numbers that no track has had
+    Tracks,
+    /// A recorder: the same run
+    Run,
+}
+
+impl Resume {
+    /// The key of the configuration that says it.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Scan => "run.first_scan",
+            Self::Tracks => "run.first_track",
+            Self::Run => "run.id",
+        }
+    }
+}
+
+/// Where the keeper of a domain writes down what a stage that is started again goes on with.
+pub const RESUME_FILE: &str = "resume";
 
 impl StageArgs {
     /// The effective configuration.
@@ -46,6 +74,11 @@ impl StageArgs {
         if let Some(prefix) = &self.ipc_prefix {
             overrides.push(format!("ipc.prefix={prefix}"));
         }
+        let chain = config::load(self.config.as_deref(), &overrides)?;
+        let Some(resume) = self.resume else { return Ok(chain) };
+        let file = Domain::root(&chain.ipc).join(RESUME_FILE);
+        let place = std::fs::read_to_string(file).unwrap_or_default(); // none: the run begins
+        overrides.extend(place.lines().filter(|line| line.starts_with(resume.key())).map(String::from));
         config::load(self.config.as_deref(), &overrides)
     }
 }
@@ -77,7 +110,8 @@ fn conclude(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> Exit
         Err(error) => {
             say(&format!("{name}: {error:#}"));
             let usage = error.chain().any(|cause| cause.is::<ConfigError>() || cause.is::<BadInput>());
-            let memory = |cause: &IpcError| matches!(cause, IpcError::SharedMemoryTooSmall { .. });
+            let memory =
+                |cause: &IpcError| matches!(cause, IpcError::SharedMemoryTooSmall { .. } | IpcError::OtherUser { .. });
             let usage = usage || error.chain().any(|cause| cause.downcast_ref().is_some_and(memory));
             ExitCode::from(if usage { EXIT_BAD_USAGE } else { EXIT_FAILED })
         }
@@ -138,6 +172,7 @@ impl HealthReporter {
     pub fn new(station: &Station, chain: &ChainConfig, session: u64, refused: u32) -> Result<Self, IpcError> {
         let mut health = Health { session, pid: std::process::id(), refused, ..Health::default() };
         health.set_process(station.process());
+        tracing::info!(process = station.process(), version = env!("CARGO_PKG_VERSION"), session, "started");
         let watchdog = Watchdog::new(chain, station.process());
         Ok(Self { publisher: station.publisher(1, &[])?, health, watchdog, last: None, last_scan: u32::MAX })
     }
@@ -175,6 +210,7 @@ impl HealthReporter {
         Ok(())
     }
 
+    /// Tells a service manager how the process does.
     fn tell_service_manager(&self) {
         let status = format!("scan {}, {}", self.health.scan, Condition::of(self.health.condition).text());
         let news = match (self.health.seq, self.health.ended) {
@@ -184,5 +220,16 @@ impl HealthReporter {
         };
         // Without a service manager this does nothing.
         let _ = sd_notify::notify(&[news, NotifyState::Status(&status)]);
+    }
+}
+
+/// Tells a service manager that watches over this process, at most once a second, that it lives but has to wait
+/// for another: not this one is the one that hangs.
+pub(crate) fn say_waiting() {
+    static SAID_MS: AtomicU64 = AtomicU64::new(0);
+    let now_ms = monotonic_ns() / 1_000_000;
+    if now_ms.saturating_sub(SAID_MS.load(Ordering::Relaxed)) >= 1000 {
+        SAID_MS.store(now_ms, Ordering::Relaxed);
+        let _ = sd_notify::notify(&[NotifyState::Watchdog, NotifyState::Status("waiting for a consumer")]);
     }
 }

@@ -68,7 +68,7 @@ fn data(
         "git": report.git,
         "mode": chain.run.mode.name(),
         "speed": match chain.run.speed { Speed::Max => "max".into(), Speed::Times(factor) => format!("{factor}×") },
-        "started_utc": chain.run.id,
+        "started_utc": report.config.as_ref().map_or("", |config| config.run.id.as_str()),
         "wall_s": report.wall_s,
         "scans": report.scans,
         "realtime_factor": report.realtime_factor,

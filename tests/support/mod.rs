@@ -31,6 +31,10 @@ impl Bench {
         Self { folder: tempfile::tempdir().expect("temporary folder"), prefix }
     }
 
+    pub(crate) fn prefix(&self) -> &str {
+        &self.prefix
+    }
+
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -57,8 +61,12 @@ impl Bench {
 
     /// Starts the small radar.
     pub(crate) fn start(&self, arguments: &[&str]) -> Running {
-        let child = self
-            .command("run", &small_config())
+        self.start_with(arguments, |command| command)
+    }
+
+    /// Starts the small radar in an environment of its own.
+    pub(crate) fn start_with(&self, arguments: &[&str], prepare: impl FnOnce(&mut Command) -> &mut Command) -> Running {
+        let child = prepare(&mut self.command("run", &small_config()))
             .args(arguments)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

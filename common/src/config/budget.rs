@@ -6,25 +6,49 @@ use super::load::{ConfigError, positive, require};
 use crate::latency::{LATENCIES, LATENCY_NAMES};
 
 /// Limits of one latency.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Budget {
     /// Limit, µs: a scan with a value above it is a miss.
     pub limit_us: f64,
     /// Percentile that must not lie above it, 0 to 100.
     pub percentile: f64,
     /// Further limits, of the median, µs.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub p50_us: Option<f64>,
     /// Of the 90th percentile, µs.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub p90_us: Option<f64>,
     /// Of the 99th percentile, µs.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub p99_us: Option<f64>,
     /// Of the 99.9th percentile, µs.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub p999_us: Option<f64>,
+}
+
+/// A budget as written: what is not named keeps its default.
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Written {
+    limit_us: Option<f64>,
+    percentile: Option<f64>,
+    p50_us: Option<f64>,
+    p90_us: Option<f64>,
+    p99_us: Option<f64>,
+    p999_us: Option<f64>,
+}
+
+impl Written {
+    fn over(self, default: Budget) -> Budget {
+        Budget {
+            limit_us: self.limit_us.unwrap_or(default.limit_us),
+            percentile: self.percentile.unwrap_or(default.percentile),
+            p50_us: self.p50_us.or(default.p50_us),
+            p90_us: self.p90_us.or(default.p90_us),
+            p99_us: self.p99_us.or(default.p99_us),
+            p999_us: self.p999_us.or(default.p999_us),
+        }
+    }
 }
 
 impl Budget {
@@ -38,7 +62,7 @@ impl Budget {
 
 /// Limits of all latencies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(from = "WrittenBudgets")]
 pub struct BudgetConfig {
     /// Dwell published → extractor received it.
     pub hop_dwells: Budget,
@@ -54,6 +78,34 @@ pub struct BudgetConfig {
     pub scan: Budget,
     /// Tracks published → tracks in the recording buffer.
     pub record: Budget,
+}
+
+/// `[budget]` as written.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct WrittenBudgets {
+    hop_dwells: Written,
+    extract: Written,
+    hop_plots: Written,
+    track: Written,
+    end_to_end: Written,
+    scan: Written,
+    record: Written,
+}
+
+impl From<WrittenBudgets> for BudgetConfig {
+    fn from(written: WrittenBudgets) -> Self {
+        let default = Self::default();
+        Self {
+            hop_dwells: written.hop_dwells.over(default.hop_dwells),
+            extract: written.extract.over(default.extract),
+            hop_plots: written.hop_plots.over(default.hop_plots),
+            track: written.track.over(default.track),
+            end_to_end: written.end_to_end.over(default.end_to_end),
+            scan: written.scan.over(default.scan),
+            record: written.record.over(default.record),
+        }
+    }
 }
 
 impl Default for BudgetConfig {
@@ -90,5 +142,20 @@ impl BudgetConfig {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_written_keeps_its_default() {
+        let config = |text: &str| toml::from_str::<BudgetConfig>(text).expect("valid");
+        let budget = config("[track]\np999_us = 7000.0\n[scan]\nlimit_us = 1.0").all();
+        let limits: Vec<_> = budget[3].limits().collect();
+        assert_eq!(limits, [(99.0, 2000.0), (99.9, 7000.0)]);
+        assert_eq!((budget[5].limit_us, budget[5].percentile), (1.0, 99.0));
+        assert!(toml::from_str::<BudgetConfig>("[track]\np98_us = 1.0").is_err());
     }
 }

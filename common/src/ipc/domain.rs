@@ -2,6 +2,7 @@
 
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::*;
@@ -28,7 +29,7 @@ impl Domain {
     /// configuration, which iceoryx2 takes from a file.
     ///
     /// # Errors
-    /// [`IpcError::Domain`] if the folder or the file in it cannot be written.
+    /// [`IpcError::Domain`] if the folder or the file in it cannot be written, [`IpcError::OtherUser`].
     pub fn enter(ipc: &IpcConfig) -> Result<Self, IpcError> {
         let root = Self::root(ipc);
         let error =
@@ -42,6 +43,10 @@ impl Domain {
         config.global.set_root_path(&root_path);
 
         std::fs::create_dir_all(&root).map_err(|cause| error(cause.to_string()))?;
+        let owner = std::fs::metadata(&root).map_err(|cause| error(cause.to_string()))?.uid();
+        if owner != rustix::process::geteuid().as_raw() {
+            return Err(IpcError::OtherUser { prefix: ipc.prefix.clone(), owner });
+        }
         let file = root.join("iceoryx2.toml");
         let text = toml::to_string(&config).map_err(|cause| error(cause.to_string()))?;
         if std::fs::read_to_string(&file).is_ok_and(|present| present == text) {
@@ -80,14 +85,22 @@ impl Domain {
     /// Living processes that use the domain: names and process identifiers.
     pub fn inhabitants(&self) -> Vec<(String, u32)> {
         let mut alive = Vec::new();
-        let _ = Node::<ipc::Service>::list(&self.config, |state| {
-            if let NodeState::Alive(node) = state {
-                let name = node.details().as_ref().map(|details| details.name().to_string()).unwrap_or_default();
-                let pid = node.details().as_ref().map_or(0, |details| details.process_id().value());
-                alive.push((name, pid.cast_unsigned()));
+        // The list breaks off when a dead process is cleaned up under it; nobody may be overlooked for that.
+        for _ in 0..LISTINGS {
+            alive.clear();
+            let listed = Node::<ipc::Service>::list(&self.config, |state| {
+                if let NodeState::Alive(node) = state
+                    && let Some(details) = node.details()
+                {
+                    alive.push((details.name().to_string(), details.process_id().value().cast_unsigned()));
+                }
+                CallbackProgression::Continue
+            });
+            if listed.is_ok() {
+                break;
             }
-            CallbackProgression::Continue
-        });
+            std::thread::sleep(Duration::from_millis(10));
+        }
         alive
     }
 
@@ -124,7 +137,7 @@ impl Domain {
     /// cannot be had when it is first written ends a process by SIGBUS; here it is an error that can be told.
     ///
     /// # Errors
-    /// [`IpcError::SharedMemoryTooSmall`].
+    /// [`IpcError::SharedMemoryFull`].
     pub(super) fn reserve(&self) -> Result<(), IpcError> {
         let prefix = Self::file_prefix(&self.prefix);
         let Ok(entries) = std::fs::read_dir(SHARED_MEMORY) else { return Ok(()) };
@@ -187,6 +200,8 @@ pub fn shared_memory_needed(chain: &ChainConfig) -> u64 {
         + MANAGEMENT
 }
 
+/// How often the processes of a domain are listed until that succeeds.
+const LISTINGS: u32 = 100;
 /// Room for the ports' own queues and lists, bytes.
 const MANAGEMENT: u64 = 4 << 20;
 /// Processes that publish their health.

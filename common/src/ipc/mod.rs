@@ -66,6 +66,22 @@ pub enum IpcError {
         /// Needed at most, MiB.
         needed_mib: u64,
     },
+    /// /dev/shm has been filled by others since the chain was started.
+    #[error("/dev/shm has {free_mib} MiB left, {needed_mib} MiB are missing for a segment: something fills it")]
+    SharedMemoryFull {
+        /// Free, MiB.
+        free_mib: u64,
+        /// Missing, MiB.
+        needed_mib: u64,
+    },
+    /// The domain belongs to another user: what this one makes in it, the others cannot open.
+    #[error("shared-memory domain `{prefix}` belongs to user {owner}: run this as that user (runuser -u … --)")]
+    OtherUser {
+        /// Prefix of the domain.
+        prefix: String,
+        /// User identifier of the owner.
+        owner: u32,
+    },
     /// The user asked to stop while a message waited for room.
     #[error("stopped while waiting for the consumers of `{topic}`")]
     Stopped {

@@ -78,6 +78,7 @@ impl<M: Message> Publisher<M> {
                         } else if waited_ms >= last_ms + CLEAN_INTERVAL_MS {
                             cleaned_ms.store(waited_ms, Ordering::Relaxed);
                             clean_dead_nodes(&config);
+                            process::say_waiting();
                         }
                         BackpressureAction::Retry
                     },
@@ -168,6 +169,7 @@ impl<M: Message> Publisher<M> {
             if cleaned.elapsed() > Duration::from_millis(CLEAN_INTERVAL_MS) {
                 cleaned = Instant::now();
                 self.domain.clean_dead_nodes();
+                process::say_waiting();
             }
             if !told && began.elapsed() > Duration::from_secs(2) {
                 told = true;
