@@ -34,7 +34,7 @@ impl Orphans {
             let mut inhabitants = domain.inhabitants();
             let all = inhabitants.len();
             inhabitants.retain(|(name, _)| StageName::of(chain).iter().any(|stage| stage.name() == name));
-            if inhabitants.len() == all || began.elapsed() > VISIT {
+            if !inhabitants.is_empty() || all == 0 || began.elapsed() > VISIT {
                 break inhabitants;
             }
             std::thread::sleep(Duration::from_millis(50));

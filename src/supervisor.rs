@@ -23,6 +23,8 @@ pub(crate) struct Supervisor {
     ending_since: Option<Instant>,
     /// The stages have been asked to end, because the end of the stream has not reached them.
     told: bool,
+    /// The stage that may hang, and since when it is the one.
+    suspect: Option<(StageName, Instant)>,
 }
 
 /// How long after the source the other stages end by themselves.
@@ -43,7 +45,8 @@ pub(crate) enum End {
 impl Supervisor {
     /// Starts all processes of `chain`.
     pub(crate) fn start(chain: &ChainConfig, file: PathBuf) -> anyhow::Result<Self> {
-        let mut this = Self { chain: chain.clone(), file, stages: Vec::new(), ending_since: None, told: false };
+        let mut this =
+            Self { chain: chain.clone(), file, stages: Vec::new(), ending_since: None, told: false, suspect: None };
         for &name in StageName::of(chain) {
             match Stage::start(name, &this.file, &chain.supervision) {
                 Ok(stage) => this.stages.push(stage),
@@ -60,7 +63,7 @@ impl Supervisor {
     pub(crate) fn adopt(chain: &ChainConfig, file: PathBuf, orphans: &Orphans) -> Self {
         let adopted = |&name| Stage::adopt(name, orphans.process(name), &chain.supervision);
         let stages = StageName::of(chain).iter().map(adopted).collect();
-        Self { chain: chain.clone(), file, stages, ending_since: None, told: false }
+        Self { chain: chain.clone(), file, stages, ending_since: None, told: false, suspect: None }
     }
 
     /// The processes that run now, upstream last: names and process identifiers.
@@ -146,31 +149,38 @@ impl Supervisor {
     }
 
     /// Kills the stage that hangs, so that it is started again. A stage that waits for one downstream says nothing
-    /// either: only the most downstream of the silent ones can be the one that hangs.
+    /// either: only the most downstream of the silent ones can be the one that hangs, and once it speaks again the next
+    /// has as much time as it had.
     fn end_hung(&mut self, board: &Board, screen: &mut Screen) {
         if self.ending_since.is_some() {
             return;
         }
         let now_ns = monotonic_ns();
-        for stage in &self.stages {
-            let Some((pid, since)) = stage.running() else { return };
+        let silent = |stage: &Stage| {
+            let (pid, since) = stage.running()?;
             let heard = board.of(stage.name.name()).filter(|health| health.pid == pid);
-            let silent = heard.map_or(since, |health| Duration::from_nanos(now_ns.saturating_sub(health.heartbeat_ns)));
-            if silent < SUSPECT {
-                continue;
-            }
-            let supervision = &self.chain.supervision;
-            let limit_s =
-                if stage.name == StageName::Recorder { supervision.recorder_hang_s } else { supervision.hang_s };
-            if limit_s > 0.0 && silent > Duration::from_secs_f64(limit_s) {
-                screen.say(&format!(
-                    "{} has said nothing for {:.1} s: killing it",
-                    stage.name.name(),
-                    silent.as_secs_f64()
-                ));
-                stage.signal(Signal::KILL);
-            }
+            Some(heard.map_or(since, |health| Duration::from_nanos(now_ns.saturating_sub(health.heartbeat_ns))))
+        };
+        // A stage that is not running, or has not said anything yet, keeps those upstream waiting as well.
+        let heard =
+            |stage: &Stage| board.of(stage.name.name()).map(|health| health.pid) == stage.running().map(|(pid, _)| pid);
+        let waits = |stage: &&Stage| silent(stage).is_none_or(|silent| silent > SUSPECT) || !heard(stage);
+        let Some(suspect) = self.stages.iter().find(waits) else {
+            self.suspect = None;
             return;
+        };
+        let (name, supervision) = (suspect.name, &self.chain.supervision);
+        let since = match self.suspect {
+            Some((suspected, since)) if suspected == name => since,
+            _ => self.suspect.insert((name, Instant::now())).1,
+        };
+        let limit_s = if name == StageName::Recorder { supervision.recorder_hang_s } else { supervision.hang_s };
+        let limit = Duration::from_secs_f64(limit_s);
+        if let Some(silent) = silent(suspect).filter(|&silent| limit_s > 0.0 && silent > limit)
+            && since.elapsed() > limit.saturating_sub(SUSPECT).max(SUSPECT)
+        {
+            screen.say(&format!("{} has said nothing for {:.1} s: killing it", name.name(), silent.as_secs_f64()));
+            suspect.signal(Signal::KILL);
         }
     }
 

@@ -25,7 +25,6 @@ fn a_slow_consumer_loses_messages_and_every_one_is_counted() {
     assert_eq!(output.status.code(), Some(0), "{}", text_of(&output));
     let report = bench.report();
     assert!(report.loss["dwells"]["plot-extractor"] > 3 * 64, "{:?}", report.loss);
-    assert_eq!(report.loss["plots"]["tracker"], 0);
     assert!(report.books.len() >= 5 && report.books.iter().all(Book::balances), "{:?}", report.books);
 }
 

@@ -102,6 +102,8 @@ pub fn supervise(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) ->
 
 fn conclude(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
     logging::start();
+    // Several processes may write to one terminal: each line says whose it is.
+    let _process = tracing::error_span!("process", name).entered();
     match body() {
         Ok(code) => code,
         Err(error) if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(IpcError::Stopped { .. }))) => {
@@ -221,6 +223,18 @@ impl HealthReporter {
         // Without a service manager this does nothing.
         let _ = sd_notify::notify(&[news, NotifyState::Status(&status)]);
     }
+}
+
+static WAITED_NS: AtomicU64 = AtomicU64::new(0);
+
+/// Notes that this process has stood still for so long because a consumer did not take what it sends.
+pub(crate) fn note_waiting(time: Duration) {
+    WAITED_NS.fetch_add(time.as_nanos() as u64, Ordering::Relaxed);
+}
+
+/// How long this process has stood still for its consumers in all.
+pub(crate) fn waited() -> Duration {
+    Duration::from_nanos(WAITED_NS.load(Ordering::Relaxed))
 }
 
 /// Tells a service manager that watches over this process, at most once a second, that it lives but has to wait

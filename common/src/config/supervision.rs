@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::load::{ConfigError, not_negative, positive};
+use super::load::{ConfigError, not_negative, positive, require};
 
 /// Restarting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,8 +30,11 @@ impl SupervisionConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         not_negative("supervision.backoff_s", self.backoff_s)?;
         not_negative("supervision.drain_s", self.drain_s)?;
-        not_negative("supervision.hang_s", self.hang_s)?;
-        not_negative("supervision.recorder_hang_s", self.recorder_hang_s)
+        // Processes speak once a second.
+        let limits = [("supervision.hang_s", self.hang_s), ("supervision.recorder_hang_s", self.recorder_hang_s)];
+        limits.into_iter().try_for_each(|(key, limit_s)| {
+            require(key, limit_s, limit_s == 0.0 || (2.0..1e6).contains(&limit_s), "0 for never, or at least 2")
+        })
     }
 }
 

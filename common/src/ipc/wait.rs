@@ -11,6 +11,7 @@ use super::IpcError;
 use super::station::{EventService, Ipc};
 use crate::config::{ChainConfig, WaitStrategy};
 use crate::health::{Condition, Health};
+use crate::process;
 use crate::services::Topic;
 
 /// Longest sleep: the stop flag and the health report are looked after this often.
@@ -131,9 +132,10 @@ pub fn attend<E: From<IpcError>>(
     mut step: impl FnMut() -> Result<Flow, E>,
 ) -> Result<(), E> {
     let mut timed_step = || {
-        let began = Instant::now();
+        let (began, waited) = (Instant::now(), process::waited());
         let flow = step();
-        watchdog.step(began.elapsed());
+        // What it waited for its consumers is not its own slowness.
+        watchdog.step(began.elapsed().saturating_sub(process::waited() - waited));
         flow
     };
     match watchdog.0.wait {
