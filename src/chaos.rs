@@ -1,5 +1,6 @@
 //! `radar-chain chaos`: kills random stages at random times and checks that nothing is lost uncounted.
 
+use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -65,7 +66,7 @@ pub(crate) fn chaos(mut chain: ChainConfig, kills: u32) -> anyhow::Result<ExitCo
 fn scan_seconds(chain: &ChainConfig) -> f64 {
     let period_s = match chain.run.source {
         common::config::Source::RadarSim => chain.radar.scan_period_s,
-        _ => chain.plot_source.scan_period_s,
+        common::config::Source::PlotSource => chain.plot_source.scan_period_s,
     };
     match chain.run.speed {
         Speed::Times(factor) => period_s / factor,
@@ -165,7 +166,7 @@ impl Monkey {
                 self.returns.iter().filter(|back| back.stage == stage).map(|back| back.after_s / self.scan_s).collect();
             times.sort_by(f64::total_cmp);
             let (count, median, slowest) = (times.len(), times[times.len() / 2], times[times.len() - 1]);
-            text += &format!("{:<16}{count:>7}{median:>8.2} scans{slowest:>8.2} scans\n", stage.name());
+            let _ = writeln!(text, "{:<16}{count:>7}{median:>8.2} scans{slowest:>8.2} scans", stage.name());
         }
         text
     }
@@ -187,7 +188,7 @@ impl Monkey {
 fn books_table(report: &Report) -> String {
     let mut text = format!("\n{:<10}{:<16}{:>12}{:>12}{:>10}\n", "topic", "consumer", "sent", "received", "lost");
     for Book { topic, consumer, sent, received, lost } in &report.books {
-        text += &format!("{topic:<10}{consumer:<16}{sent:>12}{received:>12}{lost:>10}\n");
+        let _ = writeln!(text, "{topic:<10}{consumer:<16}{sent:>12}{received:>12}{lost:>10}");
     }
     text
 }

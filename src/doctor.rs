@@ -185,7 +185,7 @@ fn recordings(chain: &ChainConfig) -> Finding {
     let folder = Path::new(&chain.recorder.directory);
     let existing = folder.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
     let existing = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };
-    let free = rustix::fs::statvfs(existing).map(|space| space.f_bavail * space.f_frsize).unwrap_or(0) >> 20;
+    let free = rustix::fs::statvfs(existing).map_or(0, |space| space.f_bavail * space.f_frsize) >> 20;
     Finding::new("recordings", format!("{free} MiB free for {}", folder.display())).unless(
         chain.recorder.record && free < 1024,
         Level::Note,

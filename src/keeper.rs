@@ -51,9 +51,11 @@ fn hold(chain: &ChainConfig) -> anyhow::Result<()> {
     let mut reporter = HealthReporter::new(&station, chain, new_session(), 0)?;
     let root = Domain::root(&chain.ipc);
     write(&root, "chain.toml", &chain.to_toml())?;
-    let run = if chain.run.id.is_empty() { run_id() } else { chain.run.id.clone() };
-    let (mut board, mut trackers, mut written, mut asked) =
-        (Board::default(), Trackers::default(), Instant::now(), None);
+    let (run, mut trackers) = earlier(&root, chain).unwrap_or_else(|| {
+        let given = Some(chain.run.id.clone()).filter(|id| !id.is_empty());
+        (given.unwrap_or_else(run_id), Trackers::default())
+    });
+    let (mut board, mut written, mut asked) = (Board::default(), Instant::now(), None);
     write_place(&root, chain, &run, &board, &trackers)?;
     attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
         while let Some(report) = health.receive()? {
@@ -78,6 +80,15 @@ fn hold(chain: &ChainConfig) -> anyhow::Result<()> {
         }
         Ok(flow)
     })
+}
+
+/// What a keeper of this run that has died had written down.
+fn earlier(root: &Path, chain: &ChainConfig) -> Option<(String, Trackers)> {
+    let place = std::fs::read_to_string(root.join(RESUME_FILE)).ok()?;
+    let value = |of: Resume| place.lines().find_map(|line| line.strip_prefix(of.key())?.strip_prefix('='));
+    let first_track: u64 = value(Resume::Tracks)?.parse().ok()?;
+    let starts = first_track.saturating_sub(chain.run.first_track) / TRACKS_PER_START;
+    Some((value(Resume::Run)?.trim_matches('"').to_string(), Trackers { session: 0, starts }))
 }
 
 /// Sessions of trackers seen: each numbers its tracks anew.

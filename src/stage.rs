@@ -143,10 +143,7 @@ impl Stage {
             State::Waiting { until } => Ok(if Instant::now() >= *until { Event::Due } else { Event::Nothing }),
             State::Running { process, since } => {
                 let lived = since.elapsed();
-                let (code, signal) = match process.exit(said_end)? {
-                    None => return Ok(Event::Nothing),
-                    Some(exit) => exit,
-                };
+                let Some((code, signal)) = process.exit(said_end)? else { return Ok(Event::Nothing) };
                 match code.map(u8::try_from) {
                     Some(Ok(0)) => self.state = State::Ended { broken: false },
                     Some(Ok(EXIT_CHECK_BROKEN)) => self.state = State::Ended { broken: true },

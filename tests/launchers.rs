@@ -59,8 +59,9 @@ fn of_two_launchers_one_is_refused() {
     let winner =
         bench.wait_for("a scan", |status| number(status, "radar-chain", "pid").filter(|_| scan(status) >= Some(2)));
     let [mut winners, mut losers] = [Vec::new(), Vec::new()];
-    pair.into_iter()
-        .for_each(|running| if u64::from(running.pid()) == winner { &mut winners } else { &mut losers }.push(running));
+    for running in pair {
+        if u64::from(running.pid()) == winner { &mut winners } else { &mut losers }.push(running);
+    }
     let third = bench.run(&ENDLESS);
     for refused in losers.into_iter().map(support::Running::end).chain([third]) {
         assert_eq!(refused.status.code(), Some(2), "{}", text_of(&refused));

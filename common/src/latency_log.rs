@@ -113,7 +113,9 @@ pub fn read(text: &str) -> Vec<Interval> {
 /// All intervals of each latency in one histogram.
 pub fn merged(intervals: &[Interval]) -> LatencyHistograms {
     let mut whole = LatencyHistograms::default();
-    intervals.iter().for_each(|interval| whole.add(interval.latency, &interval.histogram));
+    for interval in intervals {
+        whole.add(interval.latency, &interval.histogram);
+    }
     whole
 }
 

@@ -6,7 +6,7 @@ use common::report::Report;
 use hdrhistogram::Histogram;
 use serde_json::{Map, Value, json};
 
-use super::resources::{Row, Series};
+use super::resources::{Row, Series, points};
 
 /// The page; its data go where the placeholder is.
 const TEMPLATE: &str = include_str!("report.html");
@@ -61,7 +61,7 @@ fn data(
         .map(|(name, blocks)| (name.clone(), json!({"p50": blocks.p50, "p99": blocks.p99, "max": blocks.max})))
         .collect();
     let tracker = series.by_process.get("tracker").map_or(&[][..], Vec::as_slice);
-    let of = |rows: &[Row], value: fn(&Row) -> f64| -> Vec<f64> { series.points(rows).map(value).collect() };
+    let of = |rows: &[Row], value: fn(&Row) -> f64| -> Vec<f64> { points(rows).map(value).collect() };
     json!({
         "site": chain.site.name,
         "version": report.version,

@@ -108,11 +108,11 @@ impl Series {
         };
         self.by_process.iter().filter_map(|(name, rows)| Some((name.clone(), growth(rows)?))).collect()
     }
+}
 
-    /// The rows of one process, thinned.
-    pub(super) fn points<'a>(&'a self, rows: &'a [Row]) -> impl Iterator<Item = &'a Row> + Clone {
-        rows.iter().step_by(rows.len().div_ceil(POINTS).max(1))
-    }
+/// The rows of one process, thinned.
+pub(super) fn points(rows: &[Row]) -> impl Iterator<Item = &Row> {
+    rows.iter().step_by(rows.len().div_ceil(POINTS).max(1))
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ boot() {
     # A test that gives up ends this shell; what it has booted ends with it.
     trap 'kill -KILL $unshared 2>/dev/null' TERM INT
     while [ ! -e "$scratch/booting" ] && kill -0 $unshared 2>/dev/null; do sleep 0.05; done
-    cat "/proc/$unshared/task/$unshared/children" 2>/dev/null || true
+    echo $(cat "/proc/$unshared/task/$unshared/children" 2>/dev/null)
     local code=0
     wait $unshared || code=$?
     echo $$ >"$home/cgroup.procs"

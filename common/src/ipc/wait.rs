@@ -135,7 +135,7 @@ pub fn attend<E: From<IpcError>>(
         let (began, waited) = (Instant::now(), process::waited());
         let flow = step();
         // What it waited for its consumers is not its own slowness.
-        watchdog.step(began.elapsed().saturating_sub(process::waited() - waited));
+        watchdog.step(began.elapsed().saturating_sub(process::waited().saturating_sub(waited)));
         flow
     };
     match watchdog.0.wait {
@@ -174,7 +174,9 @@ fn sleep_until_woken<E: From<IpcError>>(
                     watchdog.missed();
                 } else {
                     watchdog.input();
-                    wakes.iter().for_each(|wake| wake.drain());
+                    for wake in wakes {
+                        wake.drain();
+                    }
                 }
                 CallbackProgression::Continue
             },
