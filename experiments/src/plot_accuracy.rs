@@ -32,7 +32,7 @@ use crate::rows::LEVEL;
 use crate::{Case, Options, Progress, Results, Row};
 
 /// S at the centre of a cell, dB.
-const SNR_DB: [f64; 5] = [10.0, 15.0, 20.0, 25.0, 30.0];
+const SNR_DB: [f64; 6] = [10.0, 15.0, 20.0, 25.0, 30.0, 40.0];
 /// Axes with the factor and the unit in which figures show them.
 const AXES: [(&str, f64, &str); 4] = [
     ("range", 1.0, "m"),
@@ -321,7 +321,7 @@ fn figure(rows: &[Row]) -> Figure {
     };
     let panel = |metric: &str, axis: &str, factor: f64, y: Axis, background: Option<Series>| Panel {
         title: axis.replace('_', " "),
-        x: Axis::linear("signal-to-noise ratio / dB").between(8.0, 32.0),
+        x: Axis::linear("signal-to-noise ratio / dB").between(8.0, 42.0),
         y,
         series: background
             .into_iter()
@@ -331,7 +331,7 @@ fn figure(rows: &[Row]) -> Figure {
             }))
             .collect(),
     };
-    let required = || Shape::Band(vec![[8.0, REQUIRED[0], REQUIRED[1]], [32.0, REQUIRED[0], REQUIRED[1]]]);
+    let required = || Shape::Band(vec![[8.0, REQUIRED[0], REQUIRED[1]], [42.0, REQUIRED[0], REQUIRED[1]]]);
     let nees = AXES.map(|(axis, _, _)| {
         let band = Series::new("required", 2, required());
         panel("nees", axis, 1.0, Axis::log("mean (error/σ)²").between(0.5, 10.0), Some(band))

@@ -150,7 +150,8 @@ impl PlotExtractor {
         let noise_cells = 2 * self.config.reference_cells;
         if let Some(stages) = &mut self.stages {
             stages.clustering.close_all(&mut self.closed);
-            self.plots.extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &previous, &self.radar, noise_cells)));
+            self.plots
+                .extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &previous, &self.radar, noise_cells)));
         }
     }
 
@@ -166,7 +167,8 @@ impl PlotExtractor {
         if let Some(stages) = &mut self.stages {
             if flags & END_OF_STREAM != 0 {
                 stages.clustering.close_all(&mut self.closed);
-                self.plots.extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &last, &self.radar, noise_cells)));
+                self.plots
+                    .extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &last, &self.radar, noise_cells)));
             }
             covered_to_dwell =
                 stages.clustering.oldest_open().map_or(covered_to_dwell, |dwell| dwell.min(covered_to_dwell));
