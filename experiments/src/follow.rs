@@ -289,6 +289,8 @@ impl Follower {
         pursuit.outside = if in_gate { 0 } else { pursuit.outside + 1 };
         if pursuit.given_up || pursuit.outside >= LOST_SCANS {
             pursuit.fate.lost_at.get_or_insert(k);
+            // The source ends here; what goes on is what it would have predicted. Gates of all modes go on looking.
+            pursuit.given_up |= self.rules.gate_rule != GateRule::Union;
         }
         let far = distance_m(outcome.posterior.mixture().position(), &sight.truth) > LOST_DISTANCE_M;
         pursuit.beyond = if far { pursuit.beyond + 1 } else { 0 };
