@@ -9,9 +9,13 @@ use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
 
 use crate::config::ChainConfig;
+use crate::recording::Gap;
 
 /// Version of the layout; keys are only added within a version.
 pub const SCHEMA: u32 = 1;
+
+/// Gaps that the text names one by one.
+const LISTED_GAPS: usize = 10;
 
 /// What a run did.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -57,8 +61,17 @@ pub struct Report {
     /// What a soak adds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub soak: Option<Soak>,
-    /// The recording, if one was made.
+    /// The recording, if one was made: the last part of it.
     pub recording: Option<String>,
+    /// Parts of the recording.
+    #[serde(default)]
+    pub parts: u32,
+    /// Recordings removed to keep their total size within its limit.
+    #[serde(default)]
+    pub removed_recordings: u32,
+    /// What is missing from the recording, the first thousand places.
+    #[serde(default)]
+    pub gaps: Vec<Gap>,
 }
 
 /// Percentiles of one latency, µs.
@@ -332,7 +345,15 @@ impl Report {
         self.tracking.write_text(out)?;
         self.write_processes(out)?;
         if let Some(recording) = &self.recording {
-            writeln!(out, "\nrecording {recording}")?;
+            let parts = if self.parts > 1 { format!("  ({} parts)", self.parts) } else { String::new() };
+            writeln!(out, "\nrecording {recording}{parts}")?;
+        }
+        if self.removed_recordings > 0 {
+            writeln!(out, "  {} old recordings removed", self.removed_recordings)?;
+        }
+        self.gaps.iter().take(LISTED_GAPS).try_for_each(|gap| writeln!(out, "  gap in {gap}"))?;
+        if self.gaps.len() > LISTED_GAPS {
+            writeln!(out, "  and {} more gaps", self.gaps.len() - LISTED_GAPS)?;
         }
         Ok(())
     }

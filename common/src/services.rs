@@ -11,7 +11,8 @@ use crate::tracks::{Track, TracksHeader};
 use crate::truth::{TruthHeader, TruthTarget};
 
 /// The topics of a site.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[repr(usize)]
 pub enum Topic {
     /// Amplitudes of cells.

@@ -16,6 +16,7 @@ use proptest::prelude::*;
 
 fn description() -> Description {
     Description {
+        site: "here".into(),
         config: "[site]\nname = \"here\"\n".into(),
         version: "0.1.0".into(),
         seed: 7,
@@ -52,7 +53,7 @@ fn messages(scans: u64) -> Vec<Recorded> {
 
 fn container(messages: &[Recorded], flush_every: usize) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
-    let mut writer = Writer::new(&mut file, "here", &description(), 1 << 20).expect("memory");
+    let mut writer = Writer::new(&mut file, &description(), "{}", 1 << 20).expect("memory");
     for (index, message) in messages.iter().enumerate() {
         writer.write(message.by_ref()).expect("memory");
         if index % flush_every == flush_every - 1 {
@@ -174,13 +175,14 @@ impl std::io::Seek for FullDisk {
 #[test]
 fn a_full_disk_is_an_error_and_what_it_costs_is_known() {
     let disk = FullDisk::default();
-    let mut writer = Writer::new(disk.clone(), "here", &description(), 4096).expect("there is room");
+    let mut writer = Writer::new(disk.clone(), &description(), "{}", 4096).expect("there is room");
     let written = messages(1000);
     let failed = written.iter().position(|message| writer.write(message.by_ref()).is_err()).expect("no room");
-    let unsaved = usize::try_from(writer.unsaved().iter().sum::<u64>()).expect("a count");
+    let safe = usize::try_from(writer.safe_bytes()).expect("a length");
+    let unsaved = usize::try_from(writer.unsaved().iter().map(|gap| gap.count).sum::<u64>()).expect("a count");
     assert!(writer.write(written[0].by_ref()).is_err());
     assert!(matches!(writer.finish(), Err(RecordingError::Io(_) | RecordingError::Container { .. })));
-    let readable = Reader::new(disk.0.borrow().as_slice()).flatten().count();
+    let readable = Reader::new(&disk.0.borrow()[..safe]).flatten().count();
     assert!(readable > 10);
     assert_eq!(readable + unsaved, failed + 1);
 }

@@ -1,4 +1,4 @@
-//! Books: what was sent and what was received, by topic and consumer, from the counts of those who sent and received.
+//! Books: what was sent, by topic and consumer, from the counts of those who sent it, beside what was received and lost.
 //!
 //! [`crate::losses`] adds up gaps, message by message; here only the last counts of each session matter. The two
 //! know nothing of each other, so `received + lost = sent` holds only if both are right.
@@ -8,28 +8,24 @@ use std::collections::BTreeMap;
 use common::message::Lineage;
 use common::recording::RecordedRef;
 use common::report::Book;
-use common::services::{TOPIC_NAMES, TOPICS, Topic};
+use common::services::{TOPICS, Topic};
+use serde::{Deserialize, Serialize};
+
+use crate::losses::Losses;
 
 /// The fold of counts.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Books {
-    recorder: [Intake; TOPICS],
+    /// First and last position in the schedule, by topic.
+    spans: [Option<(u64, u64)>; TOPICS],
     /// Results of a stage published, by topic and session of the stage.
     published: [BTreeMap<u64, u64>; TOPICS],
     extractor: Stage,
     tracker: Stage,
 }
 
-/// What the recorder has of a topic.
-#[derive(Debug, Default)]
-struct Intake {
-    received: u64,
-    /// First and last position in the schedule.
-    span: Option<(u64, u64)>,
-}
-
 /// What a stage says of its input.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 struct Stage {
     /// Messages taken, by session of the stage.
     taken: BTreeMap<u64, u64>,
@@ -44,10 +40,9 @@ impl Books {
         if topic == Topic::Health {
             return;
         }
-        let intake = &mut self.recorder[topic as usize];
-        intake.received += 1;
-        let (first, last) = intake.span.unwrap_or((message.seq(), message.seq()));
-        intake.span = Some((first.min(message.seq()), last.max(message.seq())));
+        let seq = message.seq();
+        let (first, last) = self.spans[topic as usize].unwrap_or((seq, seq));
+        self.spans[topic as usize] = Some((first.min(seq), last.max(seq)));
         let (stage, session, lineage) = match message {
             RecordedRef::Plots(header, _) => (&mut self.extractor, header.session, &header.lineage),
             RecordedRef::Tracks(header, _) => (&mut self.tracker, header.session, &header.lineage),
@@ -58,13 +53,9 @@ impl Books {
         *published = (*published).max(lineage.published_before + 1);
     }
 
-    /// The books with what is known to be `lost` by topic and consumer. Schedules of stages begin at `first_dwell` and `first_sector`.
-    pub(crate) fn balance(
-        &self,
-        lost: &BTreeMap<String, BTreeMap<String, u64>>,
-        first_dwell: u64,
-        first_sector: u64,
-    ) -> Vec<Book> {
+    /// The books with what `losses` has counted. Schedules of stages begin at `first_dwell` and `first_sector`.
+    pub(crate) fn balance(&self, losses: &Losses, first_dwell: u64, first_sector: u64) -> Vec<Book> {
+        let lost = losses.lost();
         let mut books = Vec::new();
         let mut enter = |topic: Topic, consumer: &str, sent: u64, received: u64| {
             let lost = lost.get(topic.name()).and_then(|of| of.get(consumer)).copied().unwrap_or(0);
@@ -77,13 +68,11 @@ impl Books {
             enter(Topic::Plots, "tracker", self.tracker.passed - first_sector, self.tracker.taken());
         }
         for topic in [Topic::Dwells, Topic::Plots, Topic::Tracks, Topic::Truth] {
-            let intake = &self.recorder[topic as usize];
-            let Some((first, last)) = intake.span else { continue };
+            let Some((first, last)) = self.spans[topic as usize] else { continue };
             let published: u64 = self.published[topic as usize].values().sum();
             let sent = if published > 0 { published } else { last + 1 - first };
-            enter(topic, "recorder", sent, intake.received);
+            enter(topic, "recorder", sent, losses.received(topic));
         }
-        debug_assert!(books.iter().all(|book| TOPIC_NAMES.contains(&book.topic.as_str())));
         books
     }
 }
@@ -105,7 +94,6 @@ impl Stage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::losses::Losses;
     use common::tracks::TracksHeader;
 
     /// A tracks message: session, position, plots taken in the session, tracks published before.
@@ -125,7 +113,7 @@ mod tests {
             books.take(RecordedRef::Tracks(header, &[]));
             losses.take(RecordedRef::Tracks(header, &[]));
         }
-        let balance = books.balance(&losses.lost(), 0, 0);
+        let balance = books.balance(&losses, 0, 0);
         assert_eq!(balance.len(), 2, "{balance:?}");
         assert!(balance.iter().all(Book::balances), "{balance:?}");
         assert_eq!((balance[0].sent, balance[0].received), (21, 5 + 7));

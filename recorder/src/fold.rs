@@ -8,7 +8,7 @@ use common::health::{Intake, LatencySummary};
 use common::latency::LATENCIES;
 use common::latency_log::LatencyLog;
 use common::message::END_OF_SCAN;
-use common::recording::RecordedRef;
+use common::recording::{Gap, RecordedRef};
 use common::report::{Report, SCHEMA};
 use common::services::Topic;
 use common::tracks::TracksHeader;
@@ -16,9 +16,22 @@ use common::units::{NS_PER_S, seconds_between};
 
 use crate::books::Books;
 use crate::latencies::Latencies;
-use crate::losses::Losses;
+use crate::losses::{Losses, Missing};
 use crate::processes::Processes;
 use crate::scoring::Scoring;
+
+/// What became of a run in files.
+#[derive(Debug, Default)]
+pub struct Files {
+    /// The last part.
+    pub last: Option<String>,
+    /// Parts of the run.
+    pub parts: u32,
+    /// Files removed to keep the total size within its limit.
+    pub removed: u32,
+    /// What is missing from them.
+    pub gaps: Vec<Gap>,
+}
 
 /// The fold of a run.
 #[derive(Debug)]
@@ -54,9 +67,10 @@ impl Fold {
     }
 
     /// Takes the next message; `recorded_ns` is the processing time at which it was recorded, 0 for one from a file.
-    pub fn take(&mut self, message: RecordedRef<'_>, recorded_ns: u64) {
-        self.losses.take(message);
+    /// Gives the messages that are missing before it and of which no recorded gap tells.
+    pub fn take(&mut self, message: RecordedRef<'_>, recorded_ns: u64) -> Option<Gap> {
         self.books.take(message);
+        let Missing { gap, .. } = self.losses.take(message);
         match message {
             RecordedRef::Plots(header, plots) => {
                 self.latencies.plots(header);
@@ -70,6 +84,29 @@ impl Fold {
             RecordedRef::Truth(header, targets) => self.scoring.truth(header, targets),
             RecordedRef::Health(_, reports) => reports.iter().for_each(|health| self.processes.take(health)),
             RecordedRef::Dwells(..) => {}
+        }
+        gap
+    }
+
+    /// Takes a gap from a file.
+    pub fn take_gap(&mut self, gap: &Gap) {
+        self.losses.announce(gap);
+    }
+
+    /// Notes that a new recorder takes over.
+    pub fn rejoin(&mut self) {
+        self.losses.rejoin();
+    }
+
+    /// What has been counted so far, for whoever goes on from here without the messages.
+    pub fn counts(&self) -> String {
+        serde_json::to_string(&(&self.losses, &self.books)).unwrap_or_default()
+    }
+
+    /// Goes on from [`Fold::counts`]; what is not such a text changes nothing.
+    pub fn restore(&mut self, counts: &str) {
+        if let Ok((losses, books)) = serde_json::from_str(counts) {
+            (self.losses, self.books) = (losses, books);
         }
     }
 
@@ -123,11 +160,11 @@ impl Fold {
 
     /// Whether every process upstream has said that it ended in order.
     pub fn all_ended(&self) -> bool {
-        self.processes.have_ended(self.config.run.source.processes())
+        self.processes.have_ended(&self.config.upstream_of_recorder())
     }
 
-    /// The report of everything taken.
-    pub fn finish(mut self, recording: Option<String>) -> Report {
+    /// The report of everything taken, and of what became of it in files.
+    pub fn finish(mut self, files: Files) -> Report {
         let (first_dwell, first_sector) = first_positions(&self.config);
         self.latencies.close_interval(Duration::ZERO);
         let (detection, tracking) = self.scoring.finish();
@@ -145,17 +182,20 @@ impl Fold {
             wall_s,
             realtime_factor: if wall_s > 0.0 { span_s(self.measured_ns) / wall_s } else { 0.0 },
             comparable: lossless && whole && !self.losses.restarted() && !self.processes.restarted(),
-            loss: loss.clone(),
+            loss,
             messages: self.losses.messages(),
             latency_us: self.latencies.percentiles(),
             budget: self.latencies.budgets(),
             detection,
             tracking,
-            books: self.books.balance(&loss, first_dwell, first_sector),
+            books: self.books.balance(&self.losses, first_dwell, first_sector),
             misses: self.latencies.misses(),
             soak: None,
             processes: self.processes.report(),
-            recording,
+            recording: files.last,
+            parts: files.parts,
+            removed_recordings: files.removed,
+            gaps: files.gaps,
             config: Some(self.config),
         }
     }

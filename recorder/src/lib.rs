@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! services ──▶ fold ──▶ report.json        fold: losses, latencies, processes, scoring
-//!     └──────▶ parts ─▶ MCAP files ──▶ info, export, diff, score
+//!     └──────▶ recording ─▶ MCAP files ──▶ info, verify, export, diff, score, replay
 //! ```
 //!
 //! Everything is a fold over messages that keeps sums and a few seconds of context, never
@@ -15,9 +15,9 @@ pub mod fold;
 pub mod info;
 mod latencies;
 mod losses;
-pub mod parts;
 pub mod process;
 mod processes;
+pub mod recording;
 pub mod scoring;
 
 pub use fold::Fold;

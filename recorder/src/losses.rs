@@ -12,14 +12,18 @@
 //! Both counts begin anew with a session, and positions at the start of the schedule, so that
 //! also what came before the first result is told. Only where a stage and the recorder were away
 //! together, what the stage took in its last moments counts as lost by the stage.
+//!
+//! The same counts tell what is missing before a message, live and in a recording, where it has to be
+//! what the recorded [`Gap`]s say. Health repeats itself: its gaps are noted, but count as no loss.
 
 use std::collections::BTreeMap;
 
-use common::health::Intake;
+use common::health::{Health, Intake};
 use common::ipc::count_intake;
 use common::message::Lineage;
-use common::recording::RecordedRef;
+use common::recording::{Gap, GapReason, RecordedRef};
 use common::services::{TOPIC_NAMES, TOPICS, Topic};
+use serde::{Deserialize, Serialize};
 
 /// Name of the consumer that the recorder itself is.
 const RECORDER: &str = "recorder";
@@ -27,65 +31,165 @@ const RECORDER: &str = "recorder";
 const RECORDING: &str = "recording";
 
 /// The fold of positions.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Losses {
     streams: [Stream; TOPICS],
     extractor: Lineages,
     tracker: Lineages,
-    unwritten: [u64; TOPICS],
+    /// Reports of each process: session and next position.
+    health: BTreeMap<String, HealthStream>,
 }
 
-#[derive(Debug, Default, Clone, Copy)]
+#[derive(Debug, Default, Clone, Copy, Serialize, Deserialize)]
 struct Stream {
     intake: Intake,
     session: u64,
     elements: u64,
+    unwritten: u64,
+    /// Position of the first message, known before any has come.
+    first_seq: u64,
+    /// No message has come since the recorder began: what is missing, it has not missed by its own slowness.
+    joining: bool,
+    announced: Announced,
+}
+
+/// Missing messages that recorded gaps have told of since the last message of a stream.
+#[derive(Debug, Default, Clone, Copy, Serialize, Deserialize)]
+struct Announced {
+    count: u64,
+    /// Those of them that had been received.
+    unwritten: u64,
+}
+
+#[derive(Debug, Default, Clone, Copy, Serialize, Deserialize)]
+struct HealthStream {
+    session: u64,
+    next_seq: u64,
+    joining: bool,
+    announced: u64,
 }
 
 /// Lineages of one stage's results.
-#[derive(Debug, Default, Clone, Copy)]
+#[derive(Debug, Default, Clone, Copy, Serialize, Deserialize)]
 struct Lineages {
     /// Next position upstream.
     next_seq: u64,
     /// Session and counts of the last result.
     last: Option<(u64, Lineage)>,
     lost_upstream: u64,
-    lost_results: u64,
+}
+
+/// What is missing before a message.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Missing {
+    /// Messages of which no recorded gap tells.
+    pub(crate) gap: Option<Gap>,
+    /// Messages of which recorded gaps tell and that are not missing.
+    pub(crate) excess: u64,
 }
 
 impl Losses {
     /// Nothing seen yet of streams whose schedules begin at these positions.
     pub(crate) fn new(first_dwell: u64, first_sector: u64) -> Self {
-        let from = |next_seq| Lineages { next_seq, ..Lineages::default() };
-        Self { extractor: from(first_dwell), tracker: from(first_sector), ..Self::default() }
+        let lineages = |next_seq| Lineages { next_seq, ..Lineages::default() };
+        let stream = |first_seq| Stream { first_seq, joining: true, ..Stream::default() };
+        Self {
+            // In the order of `Topic`; truth and health are not counted before their first message.
+            streams: [stream(first_dwell), stream(first_sector), stream(first_sector), stream(0), stream(0)],
+            extractor: lineages(first_dwell),
+            tracker: lineages(first_sector),
+            health: BTreeMap::new(),
+        }
     }
 
-    /// Notes a message; health has a schedule per process and is never counted as lost.
-    pub(crate) fn take(&mut self, message: RecordedRef<'_>) {
+    /// Notes that what is missing before the next messages was sent while no recorder was there.
+    pub(crate) fn rejoin(&mut self) {
+        self.streams.iter_mut().for_each(|stream| stream.joining = true);
+        self.health.values_mut().for_each(|stream| stream.joining = true);
+    }
+
+    /// Notes a message and says what is missing before it.
+    pub(crate) fn take(&mut self, message: RecordedRef<'_>) -> Missing {
         let topic = message.topic();
         let stream = &mut self.streams[topic as usize];
         stream.elements += message.len() as u64;
-        if topic == Topic::Health {
+        if let RecordedRef::Health(_, reports) = message {
             stream.intake.received += 1;
-            return;
+            return reports.first().map_or_else(Missing::default, |health| self.take_health(health));
         }
-        count_intake(&mut stream.intake, &mut stream.session, message.session(), message.seq());
-        let lineages = match message {
-            RecordedRef::Plots(header, _) => self.extractor.take(header.session, &header.lineage),
-            RecordedRef::Tracks(header, _) => self.tracker.take(header.session, &header.lineage),
-            _ => return,
+        let known = stream.intake.received > 0;
+        let (first, session) = (if known { stream.intake.last_seq + 1 } else { stream.first_seq }, stream.session);
+        let lost_before = stream.intake.lost;
+        let mut missing = count_intake(&mut stream.intake, &mut stream.session, message.session(), message.seq());
+        match message {
+            RecordedRef::Plots(header, _) => missing = self.extractor.take(header.session, &header.lineage),
+            RecordedRef::Tracks(header, _) => missing = self.tracker.take(header.session, &header.lineage),
+            _ => {}
+        }
+        let Announced { count: announced, unwritten } = std::mem::take(&mut stream.announced);
+        let positions_alone = matches!(topic, Topic::Dwells | Topic::Truth);
+        if positions_alone && !known {
+            missing = announced; // nothing else tells what was before
+        }
+        stream.intake.received += unwritten;
+        stream.intake.lost = lost_before + missing.saturating_sub(unwritten);
+        let joining = std::mem::take(&mut stream.joining);
+        let reason = match () {
+            () if joining => GapReason::Away,
+            () if positions_alone && session != message.session() => GapReason::Sender,
+            () => GapReason::Queue,
         };
-        stream.intake.lost = lineages;
+        let count = missing.saturating_sub(announced);
+        let last_seq = message.seq().saturating_sub(1).max(first);
+        let gap = Gap { topic, session: message.session(), first_seq: first, last_seq, count, reason };
+        Missing { gap: (count > 0).then_some(gap), excess: announced.saturating_sub(missing) }
     }
 
-    /// Notes messages that could not be written to the recording.
+    fn take_health(&mut self, health: &Health) -> Missing {
+        let begin = HealthStream { session: health.session, next_seq: health.seq, ..HealthStream::default() };
+        let stream = self.health.entry(health.process().to_string()).or_insert(begin);
+        if stream.session != health.session {
+            // What a process said before it has said anything here is not missed.
+            *stream = HealthStream { announced: stream.announced, ..begin };
+        }
+        let (first_seq, missing) = (stream.next_seq, health.seq.saturating_sub(stream.next_seq));
+        stream.next_seq = health.seq + 1;
+        let reason = if std::mem::take(&mut stream.joining) { GapReason::Away } else { GapReason::Queue };
+        let announced = std::mem::take(&mut stream.announced);
+        let count = missing.saturating_sub(announced);
+        let last_seq = health.seq.saturating_sub(1);
+        let gap = Gap { topic: Topic::Health, session: health.session, first_seq, last_seq, count, reason };
+        Missing { gap: (count > 0).then_some(gap), excess: announced.saturating_sub(missing) }
+    }
+
+    /// Takes note of a recorded gap, which comes before the message that shows it.
+    pub(crate) fn announce(&mut self, gap: &Gap) {
+        if gap.topic == Topic::Health {
+            let stream = self.health.values_mut().find(|stream| stream.session == gap.session);
+            if let Some(stream) = stream.filter(|stream| stream.next_seq <= gap.last_seq) {
+                stream.announced += gap.count;
+            }
+            return;
+        }
+        let stream = &mut self.streams[gap.topic as usize];
+        if stream.intake.received > 0 && gap.last_seq <= stream.intake.last_seq && gap.session == stream.session {
+            return; // counted before this file began
+        }
+        stream.announced.count += gap.count;
+        if gap.reason == GapReason::Disk {
+            stream.announced.unwritten += gap.count;
+            stream.unwritten += gap.count;
+        }
+    }
+
+    /// Notes messages that were received but could not be written to the recording.
     pub(crate) fn not_written(&mut self, topic: Topic, count: u64) {
-        self.unwritten[topic as usize] += count;
+        self.streams[topic as usize].unwritten += count;
     }
 
     /// Messages received, by topic.
     pub(crate) fn received(&self, topic: Topic) -> u64 {
-        self.streams[topic as usize].intake.received
+        self.streams[topic as usize].received()
     }
 
     /// What the recorder knows of a topic, for its health.
@@ -96,7 +200,7 @@ impl Losses {
     /// Messages received, by name of the topic.
     pub(crate) fn messages(&self) -> BTreeMap<String, u64> {
         let counts = TOPIC_NAMES.iter().zip(&self.streams);
-        counts.map(|(name, stream)| ((*name).to_string(), stream.intake.received)).collect()
+        counts.map(|(name, stream)| ((*name).to_string(), stream.received())).collect()
     }
 
     /// Whether a stage began a new session in the run.
@@ -114,8 +218,8 @@ impl Losses {
             if index != Topic::Health as usize && stream.intake.received > 0 {
                 note(TOPIC_NAMES[index], RECORDER, stream.intake.lost);
             }
-            if self.unwritten[index] > 0 {
-                note(TOPIC_NAMES[index], RECORDING, self.unwritten[index]);
+            if stream.unwritten > 0 {
+                note(TOPIC_NAMES[index], RECORDING, stream.unwritten);
             }
         }
         if self.extractor.has_upstream() {
@@ -128,19 +232,25 @@ impl Losses {
     }
 }
 
+impl Stream {
+    /// Messages received, those of which only a recorded gap tells included.
+    fn received(&self) -> u64 {
+        self.intake.received + self.announced.unwritten
+    }
+}
+
 impl Lineages {
-    /// Notes a result and gives how many have been lost on their way to the recorder so far.
+    /// Notes a result and gives how many have been lost on their way to the recorder before it.
     fn take(&mut self, session: u64, lineage: &Lineage) -> u64 {
         let last = self.last.filter(|&(last_session, _)| last_session == session).map(|(_, lineage)| lineage);
         let (taken, published) = last.map_or((0, 0), |last| (last.taken_in_session, last.published_before + 1));
-        self.lost_results += lineage.published_before.saturating_sub(published);
         if lineage.session != 0 {
             let passed = (lineage.last_seq.saturating_add(1)).saturating_sub(self.next_seq);
             self.lost_upstream += passed.saturating_sub(lineage.taken_in_session.saturating_sub(taken));
             self.next_seq = lineage.last_seq.saturating_add(1);
         }
         self.last = Some((session, *lineage));
-        self.lost_results
+        lineage.published_before.saturating_sub(published)
     }
 
     /// Whether the results are made from messages of another process.
@@ -152,6 +262,7 @@ impl Lineages {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::services::HealthHeader;
     use common::tracks::TracksHeader;
 
     /// A tracks message: session, position, plots taken in the session, tracks published before.
@@ -194,5 +305,67 @@ mod tests {
     #[test]
     fn a_recorder_that_comes_late_knows_what_it_has_missed() {
         assert_eq!(lost(&[tracks(1, 20, 21, 20), tracks(1, 21, 22, 21)]), (0, 20));
+    }
+
+    #[test]
+    fn a_gap_says_what_lies_between_two_messages_and_why() {
+        let mut losses = Losses::new(0, 0);
+        let mut missing = |header: TracksHeader| losses.take(RecordedRef::Tracks(&header, &[])).gap;
+        let gap = |session, first_seq, last_seq, count, reason| {
+            Some(Gap { topic: Topic::Tracks, session, first_seq, last_seq, count, reason })
+        };
+        assert_eq!(missing(tracks(1, 20, 21, 20)), gap(1, 0, 19, 20, GapReason::Away));
+        assert_eq!(missing(tracks(1, 21, 22, 21)), None);
+        // Of five positions the tracker has published on three.
+        assert_eq!(missing(tracks(1, 27, 26, 25)), gap(1, 22, 26, 3, GapReason::Queue));
+    }
+
+    #[test]
+    fn a_recorded_gap_explains_what_is_missing_and_no_more() {
+        let mut losses = Losses::new(0, 0);
+        let first = losses.take(RecordedRef::Tracks(&tracks(1, 0, 1, 0), &[]));
+        assert_eq!(first, Missing::default());
+        let gap =
+            Gap { topic: Topic::Tracks, session: 1, first_seq: 1, last_seq: 4, count: 4, reason: GapReason::Disk };
+        losses.announce(&gap);
+        assert_eq!(losses.take(RecordedRef::Tracks(&tracks(1, 5, 6, 5), &[])), Missing::default());
+        // They had been received: the recorder's queue has lost none.
+        assert_eq!((losses.received(Topic::Tracks), losses.lost()["tracks"]["recorder"]), (6, 0));
+        assert_eq!(losses.lost()["tracks"]["recording"], 4);
+
+        losses.announce(&Gap { first_seq: 6, last_seq: 7, count: 2, ..gap });
+        let found = losses.take(RecordedRef::Tracks(&tracks(1, 9, 10, 9), &[]));
+        assert_eq!(found.gap.map(|gap| (gap.count, gap.reason)), Some((1, GapReason::Queue)));
+        losses.announce(&Gap { first_seq: 10, last_seq: 12, count: 3, ..gap });
+        assert_eq!(losses.take(RecordedRef::Tracks(&tracks(1, 11, 12, 11), &[])).excess, 2);
+    }
+
+    #[test]
+    fn counts_go_on_where_they_were_written_down() {
+        let mut losses = Losses::new(0, 0);
+        losses.take(RecordedRef::Tracks(&tracks(1, 0, 1, 0), &[]));
+        losses.not_written(Topic::Tracks, 1);
+        let text = serde_json::to_string(&losses).expect("JSON");
+        let mut again: Losses = serde_json::from_str(&text).expect("JSON");
+        // The gap that the new file begins with is in the counts already.
+        again.announce(&Gap::of(RecordedRef::Tracks(&tracks(1, 0, 1, 0), &[]), GapReason::Disk));
+        assert_eq!(again.take(RecordedRef::Tracks(&tracks(1, 1, 2, 1), &[])), Missing::default());
+        assert_eq!((again.received(Topic::Tracks), again.lost()["tracks"]["recording"]), (2, 1));
+    }
+
+    #[test]
+    fn health_is_counted_by_process_and_no_loss() {
+        let mut losses = Losses::new(0, 0);
+        let mut missing = |name: &str, session, seq| {
+            let mut health = Health { session, seq, ..Health::default() };
+            health.set_process(name);
+            losses.take(RecordedRef::Health(&HealthHeader { session, seq }, &[health])).gap.map(|gap| gap.count)
+        };
+        assert_eq!(missing("tracker", 1, 4), None);
+        assert_eq!(missing("radar-sim", 2, 0), None);
+        assert_eq!(missing("tracker", 1, 7), Some(2));
+        assert_eq!(missing("tracker", 3, 2), None);
+        assert_eq!(missing("tracker", 3, 3), None);
+        assert!(losses.lost().is_empty());
     }
 }

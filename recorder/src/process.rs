@@ -1,7 +1,8 @@
 //! The process `recorder`: takes everything, writes it, and makes the report.
 
 use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::io::BufReader;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -12,19 +13,19 @@ use common::latency_log::LatencyLog;
 use common::message::END_OF_STREAM;
 use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
-use common::recording::container::Description;
-use common::recording::{RecordedRef, RecordingError};
+use common::recording::container::{Entry, Reader};
+use common::recording::{Gap, RecordedRef, RecordingError};
 use common::services::{ALL_TOPICS, Dwells, HealthReports, Plots, Topic, Tracks, Truth};
 use common::time::monotonic_ns;
 use tracing::{info, warn};
 
-use crate::Fold;
-use crate::parts::{PartWriter, Run, read_whole};
+use crate::fold::{Files, Fold};
+use crate::recording::{LISTED_GAPS, Recording};
 
 /// Name of the process.
 pub const NAME: &str = "recorder";
-/// What has been written is on the disk after this time at the latest.
-const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
+/// Earlier parts up to this size together are read again by a recorder that was restarted.
+const READ_AGAIN_BYTES: u64 = 64 << 20;
 /// How long the last words of the other processes are waited for after the end of the stream.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
@@ -46,7 +47,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
 
     attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
         inputs.take_all(&mut recorder)?;
-        recorder.flush_if_due();
+        recorder.keep_up();
         recorder.fold.close_interval_if_due();
         let flow = recorder.flow(inputs.tracks.publishers());
         if flow == Flow::End || reporter.is_due() {
@@ -107,12 +108,11 @@ impl Inputs {
 /// The run as far as it is recorded.
 struct Recorder {
     fold: Fold,
-    writer: Option<PartWriter>,
-    path: Option<PathBuf>,
+    /// None if no recording is wanted.
+    recording: Option<Recording>,
+    /// Gaps of a run that is not recorded.
+    gaps: Vec<Gap>,
     report: PathBuf,
-    flushed: Instant,
-    /// The recording failed and was given up.
-    failed: bool,
     /// The tracker has published its last message.
     ended: bool,
     ended_at: Option<Instant>,
@@ -122,75 +122,51 @@ impl Recorder {
     /// Begins a file of the run. If the run has earlier files, its report covers them too.
     fn new(chain: &ChainConfig, session: u64) -> anyhow::Result<Self> {
         let id = if chain.run.id.is_empty() { (session / 1_000_000_000).to_string() } else { chain.run.id.clone() };
-        let run = Run::new(chain, &id);
         let mut fold = Fold::new(chain);
-        let earlier = if chain.recorder.record { run.earlier_parts() } else { Vec::new() };
-        for part in &earlier {
-            read_whole(part, |message| fold.take(message, 0)).map_err(|error| BadInput(error.to_string()))?;
-            info!(part = %part.display(), "earlier part read");
-        }
         if !chain.soak.log.is_empty() {
             let opened = File::options().create(true).append(true).open(&chain.soak.log).and_then(LatencyLog::begin);
-            fold.log_latencies(
-                opened.map_err(|error| BadInput(format!("log of latencies {}: {error}", chain.soak.log)))?,
-            );
+            let refuse = |error| BadInput(format!("log of latencies {}: {error}", chain.soak.log));
+            fold.log_latencies(opened.map_err(refuse)?);
         }
-        let description = Description {
-            config: chain.to_toml(),
-            version: env!("CARGO_PKG_VERSION").to_string(),
-            seed: chain.run.seed,
-            session,
-            run: id,
-            part: earlier.len() as u32,
-        };
-        let mut failed = false;
-        let (path, writer) = if chain.recorder.record {
-            match run.create_part(chain, &description) {
-                Ok((path, writer)) => (Some(path), Some(writer)),
+        let mut recording = chain.recorder.record.then(|| Recording::new(chain, &id, session));
+        if let Some(recording) = &mut recording {
+            let earlier = recording.earlier_parts();
+            read_again(&earlier, &mut fold, recording)?;
+            fold.rejoin();
+            match recording.begin(&fold.counts()) {
                 Err(error) if earlier.is_empty() => return Err(BadInput(error.to_string()).into()),
-                Err(error) => {
-                    // In the middle of a run the chain is worth more than its recording.
-                    warn!("nothing more is recorded, the chain goes on: {error}");
-                    failed = true;
-                    (None, None)
-                }
+                // In the middle of a run the chain is worth more than its recording.
+                Err(error) => recording.interrupt(&error),
+                Ok(()) => {}
             }
-        } else {
-            (None, None)
-        };
+        }
         let report = PathBuf::from(&chain.recorder.report);
-        let flushed = Instant::now();
-        Ok(Self { fold, writer, path, report, flushed, failed, ended: false, ended_at: None })
+        Ok(Self { fold, recording, gaps: Vec::new(), report, ended: false, ended_at: None })
     }
 
-    /// Writes and folds one message. A failing disk ends the recording, never the chain.
     fn take(&mut self, message: RecordedRef<'_>) {
-        if self.failed {
-            self.fold.not_written(message.topic(), 1);
+        let recorded_ns = monotonic_ns();
+        self.keep_up(); // before the message is counted
+        let gap = self.fold.take(message, recorded_ns);
+        let Some(recording) = &mut self.recording else {
+            let room = LISTED_GAPS - self.gaps.len();
+            self.gaps.extend(gap.into_iter().take(room));
+            return;
+        };
+        gap.into_iter().for_each(|gap| recording.write_gap(gap));
+        recording.write(message);
+        for gap in recording.take_unwritten() {
+            self.fold.not_written(gap.topic, gap.count);
         }
-        self.keep_writing(|writer| writer.write(message));
-        self.fold.take(message, monotonic_ns());
     }
 
-    fn flush_if_due(&mut self) {
-        if self.flushed.elapsed() >= FLUSH_INTERVAL {
-            self.flushed = Instant::now();
-            self.keep_writing(PartWriter::flush);
-        }
-    }
-
-    /// Does something with the recording, if there is one; it ends when that fails, and what
-    /// was not in a whole chunk of it is lost.
-    fn keep_writing(&mut self, write: impl FnOnce(&mut PartWriter) -> Result<(), RecordingError>) {
-        let Some(writer) = &mut self.writer else { return };
-        if let Err(error) = write(writer) {
-            let path = self.path.as_deref().unwrap_or(Path::new("")).display();
-            warn!("recording {path} ends here, the chain goes on: {error}");
-            for (topic, count) in ALL_TOPICS.into_iter().zip(writer.unsaved()) {
-                self.fold.not_written(topic, count);
+    /// Does with the files what is due.
+    fn keep_up(&mut self) {
+        if let Some(recording) = &mut self.recording {
+            recording.keep_up(|| self.fold.counts());
+            for gap in recording.take_unwritten() {
+                self.fold.not_written(gap.topic, gap.count);
             }
-            self.writer = None;
-            self.failed = true;
         }
     }
 
@@ -215,12 +191,15 @@ impl Recorder {
 
     /// Closes the recording and writes the report.
     fn finish(mut self) -> anyhow::Result<ExitCode> {
-        self.keep_writing(PartWriter::flush);
-        if let Some(Err(error)) = self.writer.take().map(PartWriter::finish) {
-            warn!("the recording has no index: {error}");
+        let (mut files, mut failed) = (Files { gaps: self.gaps, ..Files::default() }, false);
+        if let Some(mut recording) = self.recording {
+            files = recording.finish(|| self.fold.counts());
+            for gap in recording.take_unwritten() {
+                self.fold.not_written(gap.topic, gap.count);
+            }
+            failed = recording.has_failed();
         }
-        let recording = self.path.map(|path| path.display().to_string());
-        let report = self.fold.finish(recording);
+        let report = self.fold.finish(files);
         if let Some(folder) = self.report.parent() {
             std::fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
         }
@@ -229,6 +208,43 @@ impl Recorder {
         std::fs::write(&unfinished, report.to_json())
             .and_then(|()| std::fs::rename(&unfinished, &self.report))
             .with_context(|| format!("writing {}", self.report.display()))?;
-        Ok(if self.failed { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })
+        Ok(if failed { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })
     }
+}
+
+/// Reads the earlier parts of a run into its report: the newest ones, so that the chain need not wait for
+/// hours of recording; of older ones only what they had counted.
+fn read_again(parts: &[PathBuf], fold: &mut Fold, recording: &mut Recording) -> anyhow::Result<()> {
+    let size = |part: &PathBuf| std::fs::metadata(part).map_or(0, |about| about.len());
+    let mut bytes = 0;
+    let newest = parts.iter().rev().take_while(|part| {
+        bytes += size(part);
+        bytes <= READ_AGAIN_BYTES
+    });
+    let first = parts.len() - newest.count().max(1).min(parts.len());
+    for (index, part) in parts.iter().enumerate().skip(first) {
+        let open = |cause| RecordingError::Open { path: part.clone(), cause };
+        let file = File::open(part).map_err(open).map_err(|error| BadInput(error.to_string()))?;
+        let mut reader = Reader::ahead(BufReader::with_capacity(1 << 20, file));
+        if index == first
+            && let Some(counts) = reader.counts()
+        {
+            fold.restore(counts);
+        }
+        // A file that is cut or damaged ends there.
+        while let Some(Ok(entry)) = reader.next_entry() {
+            match entry {
+                Entry::Message(message) => drop(fold.take(message.by_ref(), 0)),
+                Entry::Gap(gap) => {
+                    fold.take_gap(&gap);
+                    recording.list(&gap);
+                }
+            }
+        }
+        info!(part = %part.display(), "earlier part read");
+    }
+    if first > 0 {
+        warn!("latencies and scores of the report begin with {}", parts[first].display());
+    }
+    Ok(())
 }

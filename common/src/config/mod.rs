@@ -99,6 +99,11 @@ impl ChainConfig {
         toml::to_string(self).expect("a checked configuration can be written as TOML")
     }
 
+    /// Names of the processes upstream of the recorder.
+    pub fn upstream_of_recorder(&self) -> Vec<&'static str> {
+        self.run.source.processes().to_vec()
+    }
+
     /// Sectors in a scan of whichever source is configured.
     pub fn sectors_per_scan(&self) -> u32 {
         match self.run.source {

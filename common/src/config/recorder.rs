@@ -18,6 +18,12 @@ pub struct RecorderConfig {
     pub dwells: bool,
     /// A chunk is closed at this size, KiB.
     pub chunk_kib: u32,
+    /// A new part begins when one has reached this size, MiB; 0 = never.
+    pub rotate_mib: u32,
+    /// A new part begins when one is this old, s; 0 = never.
+    pub rotate_s: u32,
+    /// All recordings of the site in the folder together, MiB: the oldest are removed; 0 = no limit.
+    pub total_mib: u32,
     /// `[recorder.scoring]`: how tracks are compared with truth.
     pub scoring: ScoringConfig,
 }
@@ -30,6 +36,9 @@ impl Default for RecorderConfig {
             report: "report.json".into(),
             dwells: false,
             chunk_kib: 768,
+            rotate_mib: 256,
+            rotate_s: 1800, // an index of one chunk a second stays below 1 MiB of memory
+            total_mib: 0,
             scoring: ScoringConfig::default(),
         }
     }
@@ -79,6 +88,10 @@ impl Default for ScoringConfig {
 impl RecorderConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         within("recorder.chunk_kib", self.chunk_kib.into(), 16..=65_536)?;
+        if self.total_mib > 0 {
+            // Only whole parts can be removed.
+            within("recorder.rotate_mib", self.rotate_mib.into(), 1..=u64::from(self.total_mib / 2).max(1))?;
+        }
         self.scoring.check()
     }
 }

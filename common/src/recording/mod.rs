@@ -4,11 +4,15 @@
 //! MCAP containers for everything else ([`container`]). [`open`] reads either.
 
 pub mod container;
+mod gap;
 pub mod jsonl;
 mod message;
 pub(crate) mod not_known;
+mod parts;
 
+pub use gap::{Gap, GapReason};
 pub use message::{Recorded, RecordedRef};
+pub use parts::{part_name, parts_from, parts_of};
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -75,7 +79,7 @@ pub fn open(path: &Path) -> Result<Messages, RecordingError> {
     file.seek(SeekFrom::Start(0)).map_err(opening)?;
     let first = start[..length].iter().find(|byte| !byte.is_ascii_whitespace());
     if start == container::MAGIC {
-        Ok(Box::new(container::Reader::new(BufReader::with_capacity(1 << 20, file))))
+        Ok(Box::new(container::Reader::ahead(BufReader::with_capacity(1 << 20, file))))
     } else if first.is_none_or(|&byte| byte == b'{') {
         Ok(Box::new(jsonl::Reader::new(BufReader::with_capacity(1 << 20, file))))
     } else {

@@ -1,0 +1,245 @@
+//! The messages of a container.
+
+use std::collections::HashMap;
+use std::io::Read;
+
+use bincode::config::{Configuration, Fixint, LittleEndian};
+use mcap::records::{Record, op};
+use serde::de::DeserializeOwned;
+
+use super::blocks::{Block, Blocks, BlocksAhead, End};
+use super::{Description, ENCODING, GAPS, encoding};
+use crate::dwell::DwellHeader;
+use crate::recording::{Gap, Recorded, RecordingError};
+use crate::services::{ALL_TOPICS, Topic};
+
+/// What lies in a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Entry {
+    /// A message.
+    Message(Recorded),
+    /// Messages that are missing here.
+    Gap(Gap),
+}
+
+/// Reads a container from start to end, whole or cut.
+///
+/// As an iterator it gives the messages alone. A chunk that is spoilt is an error; what follows it can still be read.
+pub struct Reader<B> {
+    blocks: B,
+    channels: HashMap<u16, Channel>,
+    description: Option<Description>,
+    counts: Option<String>,
+    chunk: Chunk,
+    /// An entry read while looking for the description.
+    waiting: Option<Result<Entry, RecordingError>>,
+    index: u64,
+    end: Option<End>,
+}
+
+#[derive(Debug)]
+enum Channel {
+    Messages(Topic, String),
+    Gaps(String),
+}
+
+/// Records being read.
+#[derive(Debug, Default)]
+struct Chunk {
+    records: Vec<u8>,
+    place: usize,
+}
+
+impl<R: Read> Reader<Blocks<R>> {
+    /// A reader from the start of `input`.
+    pub fn new(input: R) -> Self {
+        Self::of(Blocks::new(input))
+    }
+}
+
+impl Reader<BlocksAhead> {
+    /// As [`Reader::new`]; another thread reads and unpacks ahead.
+    pub fn ahead<R: Read + Send + 'static>(input: R) -> Self {
+        Self::of(BlocksAhead::of(Blocks::new(input)))
+    }
+}
+
+impl<B: Iterator<Item = Block>> Reader<B> {
+    /// A reader of the messages in `blocks`.
+    pub fn of(blocks: B) -> Self {
+        Self {
+            blocks,
+            channels: HashMap::new(),
+            description: None,
+            counts: None,
+            chunk: Chunk::default(),
+            waiting: None,
+            index: 0,
+            end: None,
+        }
+    }
+
+    /// What the recording says of itself; `None` if it does not.
+    pub fn description(&mut self) -> Option<&Description> {
+        self.look_ahead();
+        self.description.as_ref()
+    }
+
+    /// What had been counted before the file began, as it was given to the writer.
+    pub fn counts(&mut self) -> Option<&str> {
+        self.look_ahead();
+        self.counts.as_deref()
+    }
+
+    fn look_ahead(&mut self) {
+        if self.index == 0 && self.waiting.is_none() && self.end.is_none() {
+            self.waiting = self.advance();
+        }
+    }
+
+    /// Whether the recording was closed in order; known at the end.
+    pub fn is_whole(&self) -> bool {
+        self.end.is_some_and(|end| end.whole)
+    }
+
+    /// Where the container ends; known at the end, unless it is damaged before.
+    pub fn end(&self) -> Option<End> {
+        self.end
+    }
+
+    /// Messages given out so far.
+    pub fn messages(&self) -> u64 {
+        self.index
+    }
+
+    /// The next message or gap.
+    pub fn next_entry(&mut self) -> Option<Result<Entry, RecordingError>> {
+        self.waiting.take().or_else(|| self.advance())
+    }
+
+    fn advance(&mut self) -> Option<Result<Entry, RecordingError>> {
+        loop {
+            match self.chunk.next(&mut self.channels) {
+                Ok(Some(entry)) => {
+                    self.index += u64::from(matches!(entry, Entry::Message(_)));
+                    return Some(Ok(entry));
+                }
+                Ok(None) => {}
+                Err((channel, message)) => {
+                    let index = self.index;
+                    self.index += 1;
+                    return Some(Err(RecordingError::Message { index, channel, message }));
+                }
+            }
+            match self.blocks.next()? {
+                Block::Description(description) => self.description = Some(description),
+                Block::Counts(counts) => self.counts = Some(counts),
+                Block::Chunk { records, .. } => self.chunk = Chunk { records, place: 0 },
+                Block::Spoilt { offset, message } => {
+                    return Some(Err(RecordingError::Container { message: format!("byte {offset}: {message}") }));
+                }
+                Block::End(end) => self.end = Some(end),
+            }
+        }
+    }
+}
+
+impl<B: Iterator<Item = Block>> Iterator for Reader<B> {
+    type Item = Result<Recorded, RecordingError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            match self.next_entry()? {
+                Ok(Entry::Message(message)) => return Some(Ok(message)),
+                Ok(Entry::Gap(_)) => {}
+                Err(error) => return Some(Err(error)),
+            }
+        }
+    }
+}
+
+impl<B> std::fmt::Debug for Reader<B> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Reader").field("index", &self.index).field("end", &self.end).finish_non_exhaustive()
+    }
+}
+
+impl Chunk {
+    /// The next entry of the chunk; an error names the channel and ends nothing.
+    fn next(&mut self, channels: &mut HashMap<u16, Channel>) -> Result<Option<Entry>, (String, String)> {
+        while let Some((opcode, content)) = self.record() {
+            let damaged = |error: mcap::McapError| ("container".to_string(), error.to_string());
+            match opcode {
+                op::CHANNEL => {
+                    if let Record::Channel(channel) = mcap::parse_record(opcode, content).map_err(damaged)? {
+                        let last = channel.topic.rsplit('/').next().unwrap_or_default();
+                        let topic = ALL_TOPICS.into_iter().find(|topic| topic.name() == last);
+                        if let (Some(topic), ENCODING) = (topic, channel.message_encoding.as_str()) {
+                            channels.insert(channel.id, Channel::Messages(topic, channel.topic.clone()));
+                        } else if last == GAPS {
+                            channels.insert(channel.id, Channel::Gaps(channel.topic.clone()));
+                        }
+                    }
+                }
+                op::MESSAGE => {
+                    let Record::Message { header, data } = mcap::parse_record(opcode, content).map_err(damaged)? else {
+                        continue;
+                    };
+                    return match channels.get(&header.channel_id) {
+                        None => continue,
+                        Some(Channel::Messages(topic, name)) => {
+                            decode(*topic, &data).map(Entry::Message).map_err(|message| (name.clone(), message))
+                        }
+                        Some(Channel::Gaps(name)) => serde_json::from_slice(&data)
+                            .map(Entry::Gap)
+                            .map_err(|error| (name.clone(), error.to_string())),
+                    }
+                    .map(Some);
+                }
+                _ => {}
+            }
+        }
+        Ok(None)
+    }
+
+    /// The next record; what is left is dropped if it is shorter than it says.
+    fn record(&mut self) -> Option<(u8, &[u8])> {
+        let rest = self.records.get(self.place..)?;
+        let (&opcode, rest) = rest.split_first()?;
+        let (length, rest) = rest.split_first_chunk()?;
+        let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+        self.place = self.place.saturating_add(9).saturating_add(length);
+        Some((opcode, rest.get(..length)?))
+    }
+}
+
+fn decode(topic: Topic, data: &[u8]) -> Result<Recorded, String> {
+    match topic {
+        Topic::Dwells => dwell(data).map(|(header, cells)| Recorded::Dwells(header, cells)),
+        Topic::Plots => parts(data).map(|(header, elements)| Recorded::Plots(header, elements)),
+        Topic::Tracks => parts(data).map(|(header, elements)| Recorded::Tracks(header, elements)),
+        Topic::Truth => parts(data).map(|(header, elements)| Recorded::Truth(header, elements)),
+        Topic::Health => parts(data).map(|(header, elements)| Recorded::Health(header, elements)),
+    }
+}
+
+fn parts<H: DeserializeOwned, E: DeserializeOwned>(data: &[u8]) -> Result<(H, Vec<E>), String> {
+    let (message, length) = decode_start(data)?;
+    if length == data.len() { Ok(message) } else { Err(format!("{length} of {} bytes used", data.len())) }
+}
+
+/// As [`parts`], but the cells are taken over as they lie there: `bincode` looks at each of them.
+fn dwell(data: &[u8]) -> Result<(DwellHeader, Vec<f32>), String> {
+    let ((header, count), length): ((DwellHeader, u64), usize) = decode_start(data)?;
+    let cells = &data[length..];
+    if cells.len() as u64 != count.saturating_mul(4) {
+        return Err(format!("{count} cells in {} bytes", cells.len()));
+    }
+    let (cells, _) = cells.as_chunks();
+    Ok((header, cells.iter().map(|&cell| f32::from_le_bytes(cell)).collect()))
+}
+
+fn decode_start<T: DeserializeOwned>(data: &[u8]) -> Result<(T, usize), String> {
+    bincode::serde::decode_from_slice::<T, Configuration<LittleEndian, Fixint>>(data, encoding())
+        .map_err(|error| error.to_string())
+}

@@ -1,0 +1,206 @@
+//! Writing a container.
+
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::io::{Seek, SeekFrom, Write};
+use std::rc::Rc;
+
+use mcap::records::{MessageHeader, Metadata};
+use serde::Serialize;
+
+use super::{COUNTS, DESCRIPTION, Description, ENCODING, GAP_SCHEMA, GAPS, encoding, schema};
+use crate::recording::{Gap, GapReason, RecordedRef, RecordingError};
+use crate::services::{ALL_TOPICS, TOPICS};
+
+/// Writes a container. What has been written is on its way to the file after [`Writer::flush`].
+pub struct Writer<W: Write + Seek> {
+    mcap: mcap::Writer<Counted<W>>,
+    channels: [u16; TOPICS],
+    gaps: u16,
+    payload: Vec<u8>,
+    chunk_bytes: u64,
+    /// Bytes in the open chunk.
+    open_bytes: u64,
+    /// Messages in the open chunk, as the gap they would leave.
+    open: Vec<Gap>,
+    /// Gaps in the open chunk.
+    open_gaps: Vec<Gap>,
+    /// Measurement time of the last message that has one, ns UTC.
+    time_ns: u64,
+    written: Rc<Cell<u64>>,
+    /// Bytes up to the end of the last whole chunk.
+    safe: u64,
+}
+
+impl<W: Write + Seek> Writer<W> {
+    /// Begins a container; a chunk is closed at `chunk_bytes`. `counts` is what the caller has counted so far
+    /// (JSON), for whoever goes on from here.
+    ///
+    /// # Errors
+    /// `out` fails.
+    pub fn new(out: W, description: &Description, counts: &str, chunk_bytes: u64) -> Result<Self, RecordingError> {
+        let written = Rc::new(Cell::new(0));
+        let mut mcap = mcap::WriteOptions::new()
+            .library(concat!("radar-chain ", env!("CARGO_PKG_VERSION")))
+            .chunk_size(None) // `write` closes chunks itself, to know what is in the file
+            .compression(Some(mcap::Compression::Zstd))
+            .compression_level(1) // 3 takes twice the time for 5 % less
+            .compression_threads(0)
+            .disable_seeking(true) // chunks are written in one go
+            .create(Counted { out, written: Rc::clone(&written) })
+            .map_err(write_error)?;
+        mcap.write_metadata(&Metadata { name: DESCRIPTION.into(), metadata: description.to_map() })
+            .map_err(write_error)?;
+        let metadata = BTreeMap::from([(COUNTS.to_string(), counts.to_string())]);
+        mcap.write_metadata(&Metadata { name: COUNTS.into(), metadata }).map_err(write_error)?;
+        let mut channels = [0; TOPICS];
+        let none = BTreeMap::new();
+        let service = |topic: &str| format!("radar/{}/{topic}", description.site);
+        for topic in ALL_TOPICS {
+            let (name, source) = schema(topic);
+            let schema = mcap.add_schema(name, "rust", source.as_bytes()).map_err(write_error)?;
+            channels[topic as usize] =
+                mcap.add_channel(schema, &service(topic.name()), ENCODING, &none).map_err(write_error)?;
+        }
+        let schema = mcap.add_schema("gap/1", "jsonschema", GAP_SCHEMA.as_bytes()).map_err(write_error)?;
+        let gaps = mcap.add_channel(schema, &service(GAPS), "json", &none).map_err(write_error)?;
+        let mut this = Self {
+            mcap,
+            channels,
+            gaps,
+            payload: Vec::new(),
+            chunk_bytes,
+            open_bytes: 0,
+            open: Vec::new(),
+            open_gaps: Vec::new(),
+            time_ns: 0,
+            written,
+            safe: 0,
+        };
+        this.flush()?;
+        Ok(this)
+    }
+
+    /// Appends one message.
+    ///
+    /// # Errors
+    /// `out` fails; nothing can be written afterwards.
+    pub fn write(&mut self, message: RecordedRef<'_>) -> Result<(), RecordingError> {
+        let gap = Gap::of(message, GapReason::Disk);
+        if !self.open.iter_mut().any(|open| open.merge(&gap)) {
+            self.open.push(gap);
+        }
+        self.payload.clear();
+        match message {
+            RecordedRef::Dwells(header, elements) => self.encode(header, elements),
+            RecordedRef::Plots(header, elements) => self.encode(header, elements),
+            RecordedRef::Tracks(header, elements) => self.encode(header, elements),
+            RecordedRef::Truth(header, elements) => self.encode(header, elements),
+            RecordedRef::Health(header, elements) => self.encode(header, elements),
+        }?;
+        self.time_ns = self.time_ns.max(message.time_ns());
+        self.append(self.channels[message.topic() as usize], message.seq(), message.time_ns())
+    }
+
+    /// Appends the note that messages are missing here.
+    ///
+    /// # Errors
+    /// As [`Writer::write`].
+    pub fn write_gap(&mut self, gap: &Gap) -> Result<(), RecordingError> {
+        self.open_gaps.push(*gap);
+        self.payload = serde_json::to_vec(gap).map_err(std::io::Error::from)?;
+        self.append(self.gaps, gap.first_seq, self.time_ns)
+    }
+
+    fn append(&mut self, channel_id: u16, seq: u64, time_ns: u64) -> Result<(), RecordingError> {
+        let header = MessageHeader { channel_id, sequence: seq as u32, log_time: time_ns, publish_time: time_ns };
+        self.open_bytes += self.payload.len() as u64;
+        self.mcap.write_to_known_channel(&header, &self.payload).map_err(write_error)?;
+        if self.open_bytes >= self.chunk_bytes { self.flush() } else { Ok(()) }
+    }
+
+    /// Messages that are not in a whole chunk of the file yet: missing if writing fails now.
+    pub fn unsaved(&self) -> &[Gap] {
+        &self.open
+    }
+
+    /// Gaps that are not in a whole chunk of the file yet.
+    pub fn unsaved_gaps(&self) -> &[Gap] {
+        &self.open_gaps
+    }
+
+    /// Bytes given to the file so far.
+    pub fn bytes(&self) -> u64 {
+        self.written.get()
+    }
+
+    /// Bytes up to the end of the last whole chunk.
+    pub fn safe_bytes(&self) -> u64 {
+        self.safe
+    }
+
+    fn encode<H: Serialize, E: Serialize>(&mut self, header: &H, elements: &[E]) -> Result<(), RecordingError> {
+        bincode::serde::encode_into_std_write((header, elements), &mut self.payload, encoding())
+            .map(|_| ())
+            .map_err(|error| RecordingError::Container { message: error.to_string() })
+    }
+
+    /// Closes the chunk, so that everything so far survives the end of the process.
+    ///
+    /// # Errors
+    /// `out` fails; nothing can be written afterwards.
+    pub fn flush(&mut self) -> Result<(), RecordingError> {
+        self.mcap.flush().map_err(write_error)?;
+        self.open.clear();
+        self.open_gaps.clear();
+        self.open_bytes = 0;
+        self.safe = self.written.get();
+        Ok(())
+    }
+
+    /// Writes index and end.
+    ///
+    /// # Errors
+    /// `out` fails: the file ends after its last whole chunk.
+    pub fn finish(mut self) -> Result<(), RecordingError> {
+        self.mcap.finish().map_err(write_error)?;
+        self.mcap.into_inner().flush().map_err(RecordingError::Io)
+    }
+}
+
+impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Writer").field("channels", &self.channels).finish_non_exhaustive()
+    }
+}
+
+/// Counts what is written.
+struct Counted<W> {
+    out: W,
+    written: Rc<Cell<u64>>,
+}
+
+impl<W: Write> Write for Counted<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let count = self.out.write(bytes)?;
+        self.written.set(self.written.get() + count as u64);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.out.flush()
+    }
+}
+
+impl<W: Seek> Seek for Counted<W> {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.out.seek(to)
+    }
+}
+
+fn write_error(error: mcap::McapError) -> RecordingError {
+    match error {
+        mcap::McapError::Io(error) => RecordingError::Io(error),
+        other => RecordingError::Container { message: other.to_string() },
+    }
+}

@@ -1,0 +1,326 @@
+//! The recording of a run being written: its parts, their rotation, and what becomes of it when the disk is full.
+//!
+//! ```text
+//! writing ──error──▶ interrupted: counts what is not written, tries again every 3 s ──▶ a new part, which begins
+//!    │                                                                                  with the gaps
+//!    └──size or age──▶ the next part; the oldest files go when all together are too large
+//! ```
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime};
+
+use common::config::{ChainConfig, RecorderConfig};
+use common::recording::container::{Description, Reader, Writer};
+use common::recording::{Gap, GapReason, RecordedRef, RecordingError, part_name, parts_of};
+use tracing::{info, warn};
+
+use crate::fold::Files;
+
+/// What has been written is on its way to the disk after this time at the latest.
+const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
+/// Pause before the next attempt after writing has failed.
+const RETRY_INTERVAL: Duration = Duration::from_secs(3);
+/// Gaps that are kept for the report.
+pub(crate) const LISTED_GAPS: usize = 1000;
+
+/// A run's recording.
+#[derive(Debug)]
+pub struct Recording {
+    directory: PathBuf,
+    stem: String,
+    description: Description,
+    limits: Limits,
+    part: Option<Part>,
+    /// When to try again after writing has failed.
+    retry_at: Option<Instant>,
+    /// Gaps that no file tells of yet.
+    pending: Vec<Gap>,
+    /// Messages that have not been written since [`Recording::take_unwritten`].
+    unwritten: Vec<Gap>,
+    /// Other recordings of the site in the folder, oldest first, with their sizes.
+    others: Vec<(PathBuf, u64)>,
+    files: Files,
+    failed: bool,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Limits {
+    chunk_bytes: u64,
+    part_bytes: u64,
+    part_age: Duration,
+    total_bytes: u64,
+}
+
+/// The file being written.
+#[derive(Debug)]
+struct Part {
+    path: PathBuf,
+    writer: Writer<BufWriter<File>>,
+    began: Instant,
+    flushed: Instant,
+    /// Bytes before its first message.
+    start: u64,
+}
+
+impl Limits {
+    fn new(config: &RecorderConfig) -> Self {
+        let unlimited = |value: u32, unit: u64| if value == 0 { u64::MAX } else { u64::from(value) * unit };
+        Self {
+            chunk_bytes: u64::from(config.chunk_kib) << 10,
+            part_bytes: unlimited(config.rotate_mib, 1 << 20),
+            part_age: Duration::from_secs(unlimited(config.rotate_s, 1)),
+            total_bytes: unlimited(config.total_mib, 1 << 20),
+        }
+    }
+}
+
+impl Recording {
+    /// The recording of the run `id`, of which no file is written yet.
+    pub fn new(config: &ChainConfig, id: &str, session: u64) -> Self {
+        let description = Description {
+            site: config.site.name.clone(),
+            config: config.to_toml(),
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            seed: config.run.seed,
+            session,
+            run: id.to_string(),
+            part: 0,
+        };
+        Self {
+            directory: PathBuf::from(&config.recorder.directory),
+            stem: format!("{}-{id}", config.site.name),
+            description,
+            limits: Limits::new(&config.recorder),
+            part: None,
+            retry_at: None,
+            pending: Vec::new(),
+            unwritten: Vec::new(),
+            others: Vec::new(),
+            files: Files::default(),
+            failed: false,
+        }
+    }
+
+    /// The files of the run that there are already, in order.
+    pub fn earlier_parts(&self) -> Vec<PathBuf> {
+        parts_of(&self.directory, &self.stem).into_iter().map(|(_, path)| path).collect()
+    }
+
+    /// Begins the first part that this recorder writes; `counts` is what the run has counted so far.
+    ///
+    /// # Errors
+    /// The folder or the file cannot be made or written.
+    pub fn begin(&mut self, counts: &str) -> Result<(), RecordingError> {
+        let last = parts_of(&self.directory, &self.stem).last().map(|&(number, _)| number);
+        self.description.part = last.map_or(0, |number| number + 1);
+        self.files.parts = self.description.part;
+        self.begin_part(counts)
+    }
+
+    /// Goes on without a file for now and tries again later.
+    pub fn interrupt(&mut self, error: &RecordingError) {
+        warn!("the recording is interrupted, the chain goes on: {error}");
+        self.failed = true;
+        self.retry_at = Some(Instant::now() + RETRY_INTERVAL);
+    }
+
+    fn begin_part(&mut self, counts: &str) -> Result<(), RecordingError> {
+        let path = self.directory.join(part_name(&self.stem, self.description.part));
+        let opening = |cause| RecordingError::Open { path: path.clone(), cause };
+        std::fs::create_dir_all(&self.directory).map_err(opening)?;
+        let file = File::create_new(&path).map_err(opening)?;
+        match Writer::new(BufWriter::new(file), &self.description, counts, self.limits.chunk_bytes) {
+            Ok(writer) => {
+                let (now, start) = (Instant::now(), writer.bytes());
+                self.files.last = Some(path.display().to_string());
+                self.files.parts = self.description.part + 1;
+                self.others = if self.limits.total_bytes == u64::MAX { Vec::new() } else { self.find_others(&path) };
+                self.part = Some(Part { path, writer, began: now, flushed: now, start });
+                self.keep_total();
+                Ok(())
+            }
+            Err(error) => {
+                let _ = std::fs::remove_file(&path); // an empty file is no recording
+                Err(opening(std::io::Error::other(error.to_string())))
+            }
+        }
+    }
+
+    /// The site's recordings beside `own`, oldest first.
+    fn find_others(&self, own: &Path) -> Vec<(PathBuf, u64)> {
+        let prefix = format!("{}-", self.description.site);
+        let mut found: Vec<(SystemTime, PathBuf, u64)> = std::fs::read_dir(&self.directory)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .filter_map(|entry| {
+                let name = entry.file_name();
+                let ours = name.to_str().is_some_and(|name| name.starts_with(&prefix) && name.ends_with(".mcap"));
+                let (path, about) = (entry.path(), entry.metadata().ok()?);
+                let ours = ours && about.is_file() && path != own && is_of_site(&path, &self.description.site);
+                ours.then(|| (about.modified().unwrap_or(SystemTime::UNIX_EPOCH), path, about.len()))
+            })
+            .collect();
+        found.sort_unstable();
+        found.into_iter().map(|(_, path, bytes)| (path, bytes)).collect()
+    }
+
+    /// Removes the oldest files until all together are within the limit, but never the one being written.
+    fn keep_total(&mut self) {
+        let own = self.part.as_ref().map_or(0, |part| part.writer.bytes());
+        let mut total = own + self.others.iter().map(|(_, bytes)| bytes).sum::<u64>();
+        while total > self.limits.total_bytes && !self.others.is_empty() {
+            let (path, bytes) = self.others.remove(0);
+            total -= bytes;
+            match std::fs::remove_file(&path) {
+                Ok(()) => {
+                    self.files.removed += 1;
+                    warn!("{} removed: recordings had reached recorder.total_mib", path.display());
+                }
+                Err(error) => warn!("{} cannot be removed: {error}", path.display()),
+            }
+        }
+    }
+
+    /// Closes the chunk, begins the next part or tries again where that is due. To be called before a message
+    /// is counted: `counts` goes into the part that begins with it.
+    pub fn keep_up(&mut self, counts: impl FnOnce() -> String) {
+        let now = Instant::now();
+        let Some(part) = &mut self.part else {
+            if self.retry_at.is_some_and(|at| now >= at) {
+                self.retry_at = Some(now + RETRY_INTERVAL);
+                self.resume(&counts());
+            }
+            return;
+        };
+        let has_messages = part.writer.safe_bytes() > part.start;
+        if has_messages && (part.writer.bytes() >= self.limits.part_bytes || now - part.began >= self.limits.part_age) {
+            self.keep_writing(Writer::flush);
+            if let Some(part) = self.part.take() {
+                if let Err(error) = part.writer.finish() {
+                    warn!("{} has no index: {error}", part.path.display());
+                }
+                self.description.part += 1;
+                if let Err(error) = self.begin_part(&counts()) {
+                    self.interrupt(&error);
+                }
+            }
+        } else if now - part.flushed >= FLUSH_INTERVAL {
+            part.flushed = now;
+            self.keep_writing(Writer::flush);
+        }
+        if self.limits.total_bytes != u64::MAX {
+            self.keep_total();
+        }
+    }
+
+    /// Begins a new part after writing has failed, with what is missing.
+    fn resume(&mut self, counts: &str) {
+        if self.begin_part(counts).is_err() {
+            return; // said when it began
+        }
+        self.retry_at = None;
+        for gap in std::mem::take(&mut self.pending) {
+            self.write_gap(gap);
+        }
+        if let Some(part) = &self.part {
+            info!("the recording goes on in {}", part.path.display());
+        }
+    }
+
+    /// Appends a message.
+    pub fn write(&mut self, message: RecordedRef<'_>) {
+        if self.part.is_some() {
+            self.keep_writing(|writer| writer.write(message));
+        } else {
+            self.lose(Gap::of(message, GapReason::Disk));
+        }
+    }
+
+    /// Appends the note that messages are missing here.
+    pub fn write_gap(&mut self, gap: Gap) {
+        if self.part.is_some() {
+            self.list(&gap);
+            self.keep_writing(|writer| writer.write_gap(&gap));
+        } else {
+            self.remember(gap);
+        }
+    }
+
+    /// Lists a gap that an earlier part tells of.
+    pub fn list(&mut self, gap: &Gap) {
+        if self.files.gaps.len() < LISTED_GAPS {
+            self.files.gaps.push(*gap);
+        }
+    }
+
+    fn lose(&mut self, gap: Gap) {
+        self.unwritten.push(gap);
+        self.remember(gap);
+    }
+
+    fn remember(&mut self, gap: Gap) {
+        if !self.pending.iter_mut().any(|pending| pending.merge(&gap)) {
+            self.pending.push(gap);
+        }
+    }
+
+    /// Messages that have been received and could not be written since the last call.
+    pub fn take_unwritten(&mut self) -> impl Iterator<Item = Gap> {
+        std::mem::take(&mut self.unwritten).into_iter()
+    }
+
+    /// Does something with the part being written. When that fails, the part ends with its last whole chunk.
+    fn keep_writing(&mut self, write: impl FnOnce(&mut Writer<BufWriter<File>>) -> Result<(), RecordingError>) {
+        let Some(part) = &mut self.part else { return };
+        let Err(error) = write(&mut part.writer) else { return };
+        self.interrupt(&error);
+        let Some(Part { path, writer, start, .. }) = self.part.take() else { return };
+        let (safe, messages, gaps) = (writer.safe_bytes(), writer.unsaved().to_vec(), writer.unsaved_gaps().to_vec());
+        drop(writer); // which still tries to write an end
+        self.files.gaps.retain(|gap| !gaps.contains(gap));
+        gaps.into_iter().for_each(|gap| self.remember(gap));
+        messages.into_iter().for_each(|gap| self.lose(gap));
+        if safe > start {
+            let cut = File::options().write(true).open(&path).and_then(|file| file.set_len(safe));
+            if let Err(error) = cut {
+                warn!("{} ends with a broken chunk: {error}", path.display());
+            }
+            self.description.part += 1;
+        } else if let Err(error) = std::fs::remove_file(&path) {
+            warn!("{} holds nothing and cannot be removed: {error}", path.display());
+            self.description.part += 1;
+        }
+    }
+
+    /// Whether anything was not written.
+    pub fn has_failed(&self) -> bool {
+        self.failed
+    }
+
+    /// Closes the part being written.
+    pub fn finish(&mut self, counts: impl FnOnce() -> String) -> Files {
+        if self.part.is_none() && self.retry_at.is_some() {
+            self.resume(&counts()); // the last chance to say what is missing
+        }
+        self.keep_writing(Writer::flush);
+        if let Some(part) = self.part.take()
+            && let Err(error) = part.writer.finish()
+        {
+            warn!("{} has no index: {error}", part.path.display());
+        }
+        for gap in std::mem::take(&mut self.pending) {
+            self.list(&gap);
+        }
+        std::mem::take(&mut self.files)
+    }
+}
+
+/// Whether a recording says that it is of this site; one that does not say is taken by its name.
+fn is_of_site(path: &Path, site: &str) -> bool {
+    let Ok(file) = File::open(path) else { return false };
+    let mut reader = Reader::new(std::io::BufReader::new(file));
+    reader.description().is_none_or(|description| description.site.is_empty() || description.site == site)
+}
