@@ -39,7 +39,7 @@ impl Supervisor {
     /// Starts all processes of `chain`.
     pub(crate) fn start(chain: &ChainConfig, file: PathBuf) -> anyhow::Result<Self> {
         let mut this = Self { chain: chain.clone(), file, stages: Vec::new(), ending_since: None, told: false };
-        for &name in StageName::of(chain) {
+        for name in StageName::of(chain) {
             match Stage::start(name, &this.file, &[], &chain.supervision) {
                 Ok(stage) => this.stages.push(stage),
                 Err(error) => {

@@ -120,8 +120,7 @@ impl Losses {
         let known = stream.intake.received > 0;
         let (first, session) = (if known { stream.intake.last_seq + 1 } else { stream.first_seq }, stream.session);
         let lost_before = stream.intake.lost;
-        let mut missing =
-            count_intake(&mut stream.intake, &mut stream.session, message.session(), message.seq());
+        let mut missing = count_intake(&mut stream.intake, &mut stream.session, message.session(), message.seq());
         match message {
             RecordedRef::Plots(header, _) => missing = self.extractor.take(header.session, &header.lineage),
             RecordedRef::Tracks(header, _) => missing = self.tracker.take(header.session, &header.lineage),
@@ -326,7 +325,8 @@ mod tests {
         let mut losses = Losses::new(0, 0);
         let first = losses.take(RecordedRef::Tracks(&tracks(1, 0, 1, 0), &[]));
         assert_eq!(first, Missing::default());
-        let gap = Gap { topic: Topic::Tracks, session: 1, first_seq: 1, last_seq: 4, count: 4, reason: GapReason::Disk };
+        let gap =
+            Gap { topic: Topic::Tracks, session: 1, first_seq: 1, last_seq: 4, count: 4, reason: GapReason::Disk };
         losses.announce(&gap);
         assert_eq!(losses.take(RecordedRef::Tracks(&tracks(1, 5, 6, 5), &[])), Missing::default());
         // They had been received: the recorder's queue has lost none.
