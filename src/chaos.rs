@@ -64,13 +64,9 @@ pub(crate) fn chaos(mut chain: ChainConfig, kills: u32) -> anyhow::Result<ExitCo
 
 /// Length of a scan in processing time, s.
 fn scan_seconds(chain: &ChainConfig) -> f64 {
-    let period_s = match chain.run.source {
-        common::config::Source::RadarSim => chain.radar.scan_period_s,
-        common::config::Source::PlotSource => chain.plot_source.scan_period_s,
-    };
     match chain.run.speed {
-        Speed::Times(factor) => period_s / factor,
-        Speed::Max => period_s,
+        Speed::Times(factor) => chain.scan_period_s() / factor,
+        Speed::Max => chain.scan_period_s(),
     }
 }
 
@@ -198,8 +194,27 @@ fn unbalanced(book: &Book) -> String {
     format!("books of {topic} at {consumer}: {received} received + {lost} lost are not the {sent} sent")
 }
 
-/// What is wrong with the parts of the run that `part` belongs to.
+/// What is wrong with the parts of the run whose last one is `part`.
 fn recordings(part: &Path) -> Vec<String> {
-    let _ = part;
-    Vec::new()
+    let name = part.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = name.trim_end_matches(".mcap").trim_end_matches(|c: char| c.is_ascii_digit()).to_string();
+    let folder = part.parent().unwrap_or(Path::new("."));
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut parts: Vec<_> = entries.map(|entry| entry.path()).filter(|path| is_part(path, &stem)).collect();
+    parts.sort();
+    let mut verification = recorder::verify::Verification::default();
+    for path in &parts {
+        let Ok(file) = std::fs::File::open(path) else { return vec![format!("{} cannot be read", path.display())] };
+        let length = file.metadata().map_or(0, |about| about.len());
+        verification.file(&path.display().to_string(), length, std::io::BufReader::with_capacity(1 << 20, file));
+    }
+    let (text, findings) = verification.finish();
+    println!("\n{} recordings verified, {findings} findings", parts.len());
+    if findings == 0 { Vec::new() } else { text.lines().map(String::from).collect() }
+}
+
+/// Whether a file is a part of the run whose files begin with `stem`.
+fn is_part(path: &Path, stem: &str) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    name.starts_with(stem) && name.ends_with(".mcap")
 }

@@ -38,6 +38,7 @@ const DEFAULT_CONFIG: &str = "config/uav.toml";
 ///   radar-chain run --scans 500 --speed max              as fast as the chain goes
 ///   radar-chain run --set extractor.pfa=1e-4 --seed 7
 ///   radar-chain run --config config/smr.toml --set plot_source.file=radar.ast
+///   radar-chain run --replay recordings/FILE.mcap        recorded plots through the present tracker
 ///   radar-chain status                                   look at a running chain
 ///   radar-chain soak --duration 8h --reference           latencies, losses and memory against limits
 ///   radar-chain compare soak-1/report.json soak-2/report.json
@@ -116,6 +117,9 @@ struct ChainArgs {
 struct RunArgs {
     #[command(flatten)]
     chain: ChainArgs,
+    /// Replay a recording through the present stages, with the configuration in it unless --config is given
+    #[arg(long, value_name = "FILE")]
+    replay: Option<PathBuf>,
     /// Scans to run; 0 until stopped or to the end of the recording
     #[arg(long, value_name = "N")]
     scans: Option<u32>,
@@ -198,12 +202,18 @@ struct StatusArgs {
 }
 
 impl ChainArgs {
-    /// The effective configuration, `more` overrides applied last.
-    fn load(&self, more: Vec<String>) -> anyhow::Result<ChainConfig> {
+    /// All overrides, `more` last.
+    fn all_overrides(&self, more: Vec<String>) -> Vec<String> {
         let mut overrides = self.overrides.clone();
         overrides.extend(self.site.iter().map(|site| format!("site.name={site}")));
         overrides.extend(self.ipc_prefix.iter().map(|prefix| format!("ipc.prefix={prefix}")));
         overrides.extend(more);
+        overrides
+    }
+
+    /// The effective configuration, `more` overrides applied last.
+    fn load(&self, more: Vec<String>) -> anyhow::Result<ChainConfig> {
+        let overrides = self.all_overrides(more);
         let path = self.config.clone().unwrap_or_else(|| PathBuf::from(DEFAULT_CONFIG));
         let loaded = config::load(Some(&path), &overrides);
         if self.config.is_none() && !path.exists() {
@@ -232,7 +242,19 @@ impl RunArgs {
         overrides.extend(self.no_record.then(|| "recorder.record=false".to_string()));
         overrides.extend(self.report.as_ref().map(|file| format!("recorder.report={}", text(file))));
         overrides.extend(more);
-        self.chain.load(overrides)
+        match &self.replay {
+            None => self.chain.load(overrides),
+            Some(file) if self.chain.config.is_none() => {
+                let recorded = recorder::replay::recorded_config(file)?;
+                Ok(config::adjust(&recorded, &self.chain.all_overrides(overrides))?)
+            }
+            Some(file) => {
+                let file = std::path::absolute(file).context("finding the recording")?;
+                overrides.push("run.source=replay".to_string());
+                overrides.push(format!("replay.file={}", text(&file)));
+                self.chain.load(overrides)
+            }
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
-use common::config::{ChainConfig, Source, SupervisionConfig};
+use common::config::{ChainConfig, SupervisionConfig};
 use common::process::{EXIT_BAD_USAGE, EXIT_CHECK_BROKEN, StageArgs};
 use rustix::process::Signal;
 
@@ -16,6 +16,7 @@ use crate::child::Process;
 pub(crate) enum StageName {
     RadarSim,
     PlotSource,
+    Replay,
     PlotExtractor,
     Tracker,
     Recorder,
@@ -28,6 +29,7 @@ impl StageName {
         match self {
             Self::RadarSim => radar_sim::process::NAME,
             Self::PlotSource => plot_source::process::NAME,
+            Self::Replay => recorder::replay_process::NAME,
             Self::PlotExtractor => plot_extractor::process::NAME,
             Self::Tracker => tracker::process::NAME,
             Self::Recorder => recorder::process::NAME,
@@ -40,6 +42,7 @@ impl StageName {
         match self {
             Self::RadarSim => radar_sim::process::run(args),
             Self::PlotSource => plot_source::process::run(args),
+            Self::Replay => recorder::replay_process::run(args),
             Self::PlotExtractor => plot_extractor::process::run(args),
             Self::Tracker => tracker::process::run(args),
             Self::Recorder => recorder::process::run(args),
@@ -49,15 +52,15 @@ impl StageName {
 
     /// Whether it drives the chain: its end is the end of the run.
     pub(crate) fn is_source(self) -> bool {
-        matches!(self, Self::RadarSim | Self::PlotSource)
+        matches!(self, Self::RadarSim | Self::PlotSource | Self::Replay)
     }
 
     /// The processes of `chain`, downstream first, so that consumers are there early.
-    pub(crate) fn of(chain: &ChainConfig) -> &'static [Self] {
-        match chain.run.source {
-            Source::RadarSim => &[Self::Recorder, Self::Tracker, Self::PlotExtractor, Self::RadarSim],
-            Source::PlotSource => &[Self::Recorder, Self::Tracker, Self::PlotSource],
-        }
+    pub(crate) fn of(chain: &ChainConfig) -> Vec<Self> {
+        let upstream = chain.upstream_of_recorder();
+        let all = [Self::Tracker, Self::PlotExtractor, Self::RadarSim, Self::PlotSource, Self::Replay];
+        let upstream = all.into_iter().filter(|stage| upstream.contains(&stage.name()));
+        std::iter::once(Self::Recorder).chain(upstream).collect()
     }
 }
 

@@ -47,7 +47,7 @@ impl Supervisor {
     pub(crate) fn start(chain: &ChainConfig, file: PathBuf) -> anyhow::Result<Self> {
         let mut this =
             Self { chain: chain.clone(), file, stages: Vec::new(), ending_since: None, told: false, suspect: None };
-        for &name in StageName::of(chain) {
+        for name in StageName::of(chain) {
             match Stage::start(name, &this.file, &chain.supervision) {
                 Ok(stage) => this.stages.push(stage),
                 Err(error) => {
@@ -61,8 +61,8 @@ impl Supervisor {
 
     /// Takes over the processes that a dead launcher has left, and starts those that are missing.
     pub(crate) fn adopt(chain: &ChainConfig, file: PathBuf, orphans: &Orphans) -> Self {
-        let adopted = |&name| Stage::adopt(name, orphans.process(name), &chain.supervision);
-        let stages = StageName::of(chain).iter().map(adopted).collect();
+        let adopted = |name| Stage::adopt(name, orphans.process(name), &chain.supervision);
+        let stages = StageName::of(chain).into_iter().map(adopted).collect();
         Self { chain: chain.clone(), file, stages, ending_since: None, told: false, suspect: None }
     }
 

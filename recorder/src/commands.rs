@@ -3,29 +3,56 @@
 use std::fs::File;
 use std::io::{BufReader, Write};
 use std::iter::Peekable;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::Context;
 use common::config::ChainConfig;
 use common::process::{BadInput, EXIT_CHECK_BROKEN};
+use common::recording::container::Reader;
 use common::recording::{self, Messages, Recorded, RecordingError};
 use common::report::Report;
 use common::services::Topic;
 use recorder::export::{ExportError, Format};
 use recorder::scoring::Scoring;
+use recorder::verify::Verification;
 use recorder::{diff, export, info};
 
 /// Says what is in a recording.
 pub(crate) fn info(path: &Path) -> anyhow::Result<ExitCode> {
+    let file = open_container(path)?;
+    let text = info::describe(BufReader::with_capacity(1 << 20, file)).map_err(|error| in_file(path, &error))?;
+    say(&text)
+}
+
+/// Checks recordings: exit code 0 if they are whole, 1 with findings.
+pub(crate) fn verify(paths: &[PathBuf]) -> anyhow::Result<ExitCode> {
+    let mut verification = Verification::default();
+    for path in paths {
+        let file = open_container(path)?;
+        let length = file.metadata().map_or(0, |about| about.len());
+        verification.file(&path.display().to_string(), length, BufReader::with_capacity(1 << 20, file));
+    }
+    let (text, findings) = verification.finish();
+    say(&text)?;
+    Ok(if findings == 0 { ExitCode::SUCCESS } else { ExitCode::from(EXIT_CHECK_BROKEN) })
+}
+
+/// Prints the configuration of the recorded run.
+pub(crate) fn config(path: &Path) -> anyhow::Result<ExitCode> {
+    let mut reader = Reader::new(open_container(path)?);
+    let config = reader.description().map(|description| description.config.clone());
+    say(&config.ok_or_else(|| BadInput(format!("{} holds no configuration", path.display())))?)
+}
+
+/// Opens an MCAP recording.
+fn open_container(path: &Path) -> anyhow::Result<File> {
     // `open` checks the form; the container is read by itself because only it has a description.
     drop(open(path)?);
     if path.extension().is_some_and(|extension| extension == "jsonl") {
         return Err(BadInput(format!("{} holds JSON lines, expected an MCAP recording", path.display())).into());
     }
-    let file = File::open(path).with_context(|| format!("opening {}", path.display()))?;
-    let text = info::describe(BufReader::with_capacity(1 << 20, file)).map_err(|error| in_file(path, &error))?;
-    say(&text)
+    File::open(path).with_context(|| format!("opening {}", path.display()))
 }
 
 /// Writes topics of a recording as files.

@@ -18,6 +18,9 @@ mod losses;
 pub mod process;
 mod processes;
 pub mod recording;
+pub mod replay;
+pub mod replay_process;
 pub mod scoring;
+pub mod verify;
 
 pub use fold::Fold;

@@ -29,6 +29,17 @@ enum Command {
         /// The recording
         file: PathBuf,
     },
+    /// Check chunks, checksums, missing messages and times: exit code 0 if whole, 1 with findings
+    Verify {
+        /// The recordings; parts of one run in their order
+        #[arg(required = true)]
+        files: Vec<PathBuf>,
+    },
+    /// Print the configuration of the recorded run
+    Config {
+        /// The recording
+        file: PathBuf,
+    },
     /// Write topics of a recording as tables or JSON lines
     Export {
         /// The recording
@@ -86,6 +97,8 @@ fn main() -> ExitCode {
     common::process::run(process::NAME, || match args.command {
         None => process::run(&args.stage),
         Some(Command::Info { file }) => commands::info(&file),
+        Some(Command::Verify { files }) => commands::verify(&files),
+        Some(Command::Config { file }) => commands::config(&file),
         Some(Command::Export { file, topics, format, out }) => {
             let format = match format {
                 FormatArgument::Csv => recorder::export::Format::Csv,

@@ -117,13 +117,12 @@ fn period(chain: &ChainConfig, latency: Latency) -> Option<Duration> {
         Speed::Times(speed) => speed,
         Speed::Max => 1.0,
     };
-    let (scan_s, per_scan) = match (chain.run.source, latency) {
-        (Source::RadarSim, Latency::HopDwells) => (chain.radar.scan_period_s, chain.radar.dwells_per_scan),
-        (Source::RadarSim, _) => (chain.radar.scan_period_s, chain.radar.sectors_per_scan),
-        (_, Latency::HopDwells) => return None,
-        (_, _) => (chain.plot_source.scan_period_s, chain.plot_source.sectors_per_scan),
+    let per_scan = match latency {
+        Latency::HopDwells if chain.run.source != Source::RadarSim => return None,
+        Latency::HopDwells => chain.radar.dwells_per_scan,
+        _ => chain.sectors_per_scan(),
     };
-    Some(Duration::from_secs_f64(scan_s / speed / f64::from(per_scan)))
+    Some(Duration::from_secs_f64(chain.scan_period_s() / speed / f64::from(per_scan)))
 }
 
 /// How long the chain's messages are, numbers of 4 bytes: the cells of a dwell, about ten plots.

@@ -75,6 +75,14 @@ pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<ChainConfig, Co
     Ok(config)
 }
 
+/// A configuration that there is already, with `overrides` applied and checked.
+///
+/// # Errors
+/// As [`load`].
+pub fn adjust(config: &ChainConfig, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
+    parse(Path::new("recorded configuration"), &config.to_toml(), overrides)
+}
+
 /// As [`load`], from the text of a file; `path` is for messages.
 ///
 /// # Errors

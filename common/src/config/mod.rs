@@ -14,6 +14,7 @@ mod plot_source;
 mod radar;
 mod realtime;
 mod recorder;
+mod replay;
 mod run;
 mod sim;
 mod site;
@@ -24,11 +25,12 @@ mod tracker;
 pub use budget::{Budget, BudgetConfig};
 pub use extractor::ExtractorConfig;
 pub use ipc::IpcConfig;
-pub use load::{ConfigError, load, parse};
+pub use load::{ConfigError, adjust, load, parse};
 pub use plot_source::*;
 pub use radar::{RadarConfig, RadarGrid};
 pub use realtime::{RealtimeConfig, Scheduling, StageRealtime, WaitStrategy};
 pub use recorder::{RecorderConfig, ScoringConfig};
+pub use replay::ReplayConfig;
 pub use run::{Mode, RunConfig, Source, Speed};
 pub use sim::{ClutterConfig, MotionConfig, SimConfig, Swerling, TargetConfig};
 pub use site::SiteConfig;
@@ -60,6 +62,8 @@ pub struct ChainConfig {
     pub recorder: RecorderConfig,
     /// `[plot_source]`: recordings of real radars.
     pub plot_source: PlotSourceConfig,
+    /// `[replay]`: a recording in place of a radar.
+    pub replay: ReplayConfig,
     /// `[budget]`: latency limits.
     pub budget: BudgetConfig,
     /// `[supervision]`: what happens when a stage dies.
@@ -86,6 +90,7 @@ impl ChainConfig {
         self.tracker.check()?;
         self.recorder.check()?;
         self.plot_source.check()?;
+        self.replay.check()?;
         self.budget.check()?;
         self.supervision.check()?;
         self.watchdog.check()?;
@@ -101,14 +106,31 @@ impl ChainConfig {
 
     /// Names of the processes upstream of the recorder.
     pub fn upstream_of_recorder(&self) -> Vec<&'static str> {
-        self.run.source.processes().to_vec()
+        match self.run.source {
+            Source::RadarSim => vec!["radar-sim", "plot-extractor", "tracker"],
+            Source::PlotSource => vec!["plot-source", "tracker"],
+            Source::Replay => self.replay.processes(),
+        }
+    }
+
+    /// The source that the data is from: of a replay, that of the recorded run.
+    pub fn origin(&self) -> Source {
+        if self.run.source == Source::Replay { self.replay.of } else { self.run.source }
+    }
+
+    /// Length of a scan of whichever source is configured, measurement time, s.
+    pub fn scan_period_s(&self) -> f64 {
+        match self.origin() {
+            Source::RadarSim => self.radar.scan_period_s,
+            Source::PlotSource | Source::Replay => self.plot_source.scan_period_s,
+        }
     }
 
     /// Sectors in a scan of whichever source is configured.
     pub fn sectors_per_scan(&self) -> u32 {
-        match self.run.source {
+        match self.origin() {
             Source::RadarSim => self.radar.sectors_per_scan,
-            Source::PlotSource => self.plot_source.sectors_per_scan,
+            Source::PlotSource | Source::Replay => self.plot_source.sectors_per_scan,
         }
     }
 }

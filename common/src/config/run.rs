@@ -12,16 +12,8 @@ pub enum Source {
     RadarSim,
     /// A real radar's recorded plots.
     PlotSource,
-}
-
-impl Source {
-    /// Names of the processes upstream of the recorder.
-    pub fn processes(self) -> &'static [&'static str] {
-        match self {
-            Source::RadarSim => &["radar-sim", "plot-extractor", "tracker"],
-            Source::PlotSource => &["plot-source", "tracker"],
-        }
-    }
+    /// A recording of this program.
+    Replay,
 }
 
 /// What a full queue does.
@@ -96,7 +88,7 @@ impl std::str::FromStr for Speed {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RunConfig {
-    /// `radar-sim` or `plot-source`.
+    /// `radar-sim`, `plot-source` or `replay`.
     pub source: Source,
     /// `lossless` or `real-time`.
     pub mode: Mode,

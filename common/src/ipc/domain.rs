@@ -188,10 +188,8 @@ pub fn shared_memory_needed(chain: &ChainConfig) -> u64 {
         let samples = M::SUBSCRIBERS * (M::BUFFER + BORROWED) + M::HISTORY + LOANED;
         (sample * samples) as u64
     }
-    let cells = match chain.run.source {
-        crate::config::Source::RadarSim => chain.radar.grid().cells(),
-        crate::config::Source::PlotSource => 0,
-    };
+    let has_dwells = chain.upstream_of_recorder().contains(&"plot-extractor");
+    let cells = if has_dwells { chain.radar.grid().cells() } else { 0 };
     segment::<Dwells>(cells)
         + segment::<Plots>(MAX_PLOTS)
         + segment::<Tracks>(MAX_TRACKS)

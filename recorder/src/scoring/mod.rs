@@ -39,9 +39,11 @@ enum TrackScore {
 impl Scoring {
     /// Nothing seen yet.
     pub fn new(config: &ChainConfig) -> Self {
-        let tracks = match config.run.source {
+        let tracks = match config.origin() {
             Source::PlotSource => TrackScore::Cooperative(Box::new(Cooperative::new(&config.recorder.scoring))),
-            Source::RadarSim => TrackScore::Simulated(Box::new(Simulated::new(&config.recorder.scoring))),
+            Source::RadarSim | Source::Replay => {
+                TrackScore::Simulated(Box::new(Simulated::new(&config.recorder.scoring)))
+            }
         };
         Self { plots: PlotScore::new(config), tracks }
     }

@@ -1,0 +1,152 @@
+//! Which recorded messages go out again, in which order and with what changed.
+//!
+//! A replay is a source: it gives its messages a session of its own, counts what it publishes, and marks the
+//! last message as the end of the stream. Everything else is as recorded.
+
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use common::config::{self, ChainConfig, IpcConfig, Mode, RecorderConfig, Source};
+use common::message::{END_OF_STREAM, Lineage};
+use common::recording::container::Reader;
+use common::recording::{self, Messages, Recorded, RecordingError, parts_from};
+use common::services::Topic;
+
+/// The recorded messages to publish, parts of a run after each other.
+pub struct Playback {
+    parts: VecDeque<PathBuf>,
+    messages: Option<Messages>,
+    topics: Vec<Topic>,
+    /// Scans from the first to the last one, which is left out.
+    scans: (u32, u32),
+    /// The topic that drives the chain: the first in the order of processing.
+    driving: Topic,
+    ready: VecDeque<Recorded>,
+}
+
+impl Playback {
+    /// The messages that `config` names.
+    ///
+    /// # Errors
+    /// The file cannot be opened or is not a recording.
+    pub fn open(config: &ChainConfig) -> Result<Self, RecordingError> {
+        let path = Path::new(&config.replay.file);
+        drop(recording::open(path)?); // says what is wrong with the first one at once
+        let last = if config.run.scans == 0 { u32::MAX } else { config.run.scans };
+        Ok(Self {
+            parts: parts_from(path).into(),
+            messages: None,
+            topics: config.replay.topics.clone(),
+            scans: (config.run.first_scan, last),
+            driving: config.replay.driving(),
+            ready: VecDeque::new(),
+        })
+    }
+
+    /// The next message that was asked for, in the order of the recording.
+    fn read(&mut self) -> Result<Option<Recorded>, RecordingError> {
+        loop {
+            let Some(messages) = &mut self.messages else {
+                let Some(part) = self.parts.pop_front() else { return Ok(None) };
+                self.messages = Some(recording::open(&part)?);
+                continue;
+            };
+            match messages.next().transpose()? {
+                None => self.messages = None,
+                Some(message) => {
+                    let wanted = self.topics.contains(&message.by_ref().topic());
+                    if wanted && scan(&message).is_some_and(|scan| (self.scans.0..self.scans.1).contains(&scan)) {
+                        return Ok(Some(message));
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Iterator for Playback {
+    type Item = Result<Recorded, RecordingError>;
+
+    /// Reads ahead to the next message of the driving topic, to know which one is the last.
+    fn next(&mut self) -> Option<Self::Item> {
+        let drives = |message: &Recorded, topic| message.by_ref().topic() == topic;
+        let mut waiting = self.ready.iter().filter(|message| drives(message, self.driving)).count();
+        while waiting < 2 {
+            match self.read() {
+                Ok(Some(message)) => {
+                    waiting += usize::from(drives(&message, self.driving));
+                    self.ready.push_back(message);
+                }
+                Ok(None) => break,
+                Err(error) => return Some(Err(error)),
+            }
+        }
+        let mut message = self.ready.pop_front()?;
+        if drives(&message, self.driving) {
+            mark_end(&mut message, waiting == 1);
+        }
+        Some(Ok(message))
+    }
+}
+
+impl std::fmt::Debug for Playback {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Playback").field("parts", &self.parts).field("scans", &self.scans).finish_non_exhaustive()
+    }
+}
+
+/// Scan of a message; health has none.
+fn scan(message: &Recorded) -> Option<u32> {
+    match message {
+        Recorded::Dwells(header, _) => Some(header.scan),
+        Recorded::Plots(header, _) => Some(header.scan),
+        Recorded::Tracks(header, _) => Some(header.scan),
+        Recorded::Truth(header, _) => Some(header.scan),
+        Recorded::Health(..) => None,
+    }
+}
+
+fn mark_end(message: &mut Recorded, last: bool) {
+    let flags = match message {
+        Recorded::Dwells(header, _) => &mut header.flags,
+        Recorded::Plots(header, _) => &mut header.flags,
+        Recorded::Tracks(header, _) => &mut header.flags,
+        Recorded::Truth(..) | Recorded::Health(..) => return,
+    };
+    *flags = *flags & !END_OF_STREAM | if last { END_OF_STREAM } else { 0 };
+}
+
+/// Lineage of a result that is published again: no process upstream, and counts of this session.
+pub(crate) fn lineage_again(recorded: &Lineage, taken_in_session: &mut u64, published: u64) -> Lineage {
+    *taken_in_session += recorded.taken;
+    Lineage { session: 0, taken_in_session: *taken_in_session, published_before: published, ..*recorded }
+}
+
+/// The configuration of the recorded run, turned into one that replays it: from the recording `path`, with a place in
+/// shared memory, a folder and a report as by default, and nothing lost.
+///
+/// # Errors
+/// The file is not a recording, or holds no configuration that this version reads.
+pub fn recorded_config(path: &Path) -> anyhow::Result<ChainConfig> {
+    let opening = |cause| RecordingError::Open { path: path.to_path_buf(), cause };
+    let bad = |error: &dyn std::fmt::Display| common::process::BadInput(error.to_string());
+    drop(recording::open(path).map_err(|error| bad(&error))?);
+    let file = File::open(path).map_err(opening)?;
+    let text = Reader::new(BufReader::new(file)).description().map(|about| about.config.clone());
+    let text = text.ok_or_else(|| bad(&format!("{} holds no configuration", path.display())))?;
+    let mut config = config::parse(path, &text, &[])?;
+    if config.run.source != Source::Replay {
+        config.replay.of = config.run.source;
+    }
+    config.replay.topics = vec![if config.recorder.dwells { Topic::Dwells } else { Topic::Plots }, Topic::Truth];
+    config.replay.file = std::path::absolute(path)?.display().to_string();
+    config.run.source = Source::Replay;
+    config.run.mode = Mode::Lossless;
+    config.run.id = String::new();
+    config.ipc = IpcConfig::default();
+    let RecorderConfig { directory, report, .. } = RecorderConfig::default();
+    (config.recorder.directory, config.recorder.report, config.recorder.record) = (directory, report, true);
+    Ok(config)
+}

@@ -1,0 +1,164 @@
+//! The process `replay`: puts a recording back onto the services.
+
+use std::process::ExitCode;
+
+use anyhow::Context;
+use common::config::ChainConfig;
+use common::ipc::{Publisher, Station};
+use common::message::END_OF_STREAM;
+use common::pace::Pace;
+use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
+use common::realtime;
+use common::recording::Recorded;
+use common::services::{
+    Consumer, Dwells, MAX_CELLS, MAX_PLOTS, MAX_TARGETS, MAX_TRACKS, Message, Plots, Tracks, Truth,
+};
+use common::time::monotonic_ns;
+
+use crate::replay::{Playback, lineage_again};
+
+/// Name of the process.
+pub const NAME: &str = "replay";
+
+/// Runs the process until the recording ends or it is asked to stop.
+///
+/// # Errors
+/// Configuration, recording or shared memory.
+pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
+    replay(&args.load()?)
+}
+
+/// As [`run`], with a configuration that is loaded already.
+///
+/// # Errors
+/// Recording or shared memory.
+pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
+    let playback = Playback::open(chain).map_err(|error| BadInput(error.to_string()))?;
+    let refused = realtime::take(chain.realtime.of(NAME));
+    let station = Station::enter(NAME, chain)?;
+    let ports = Ports::new(&station, chain)?;
+    let session = new_session();
+    let mut reporter = HealthReporter::new(&station, chain, session, refused)?;
+    reporter.publish()?;
+    ports.wait_for_consumers()?;
+
+    let mut pace = Pace::new(chain.run.speed);
+    let (mut plots_out, mut tracks_out, mut dwells_taken, mut plots_taken) = (0, 0, 0, 0);
+    let driving = chain.replay.driving();
+    for message in playback {
+        let mut message = message.map_err(|error| BadInput(format!("{}: {error}", chain.replay.file)))?;
+        let (drives, length) = (message.by_ref().topic() == driving, message.by_ref().len());
+        if drives {
+            pace.wait_until(message.by_ref().time_ns(), || reporter.publish())?;
+        }
+        let stop = if drives && stop_requested() { END_OF_STREAM } else { 0 };
+        let (scan, flags) = match &mut message {
+            Recorded::Dwells(header, cells) => {
+                (header.session, header.flags) = (session, header.flags | stop);
+                ports.dwells.send(header, cells, |header| header.source_out_ns = monotonic_ns())?;
+                (header.scan, header.flags)
+            }
+            Recorded::Plots(header, plots) => {
+                (header.session, header.flags) = (session, header.flags | stop);
+                header.lineage = lineage_again(&header.lineage, &mut dwells_taken, plots_out);
+                ports.plots.send(header, plots, |header| {
+                    header.stamps.source_out_ns = monotonic_ns();
+                    header.stamps.plots_out_ns = header.stamps.source_out_ns;
+                })?;
+                plots_out += 1;
+                (header.scan, header.flags)
+            }
+            Recorded::Tracks(header, tracks) => {
+                (header.session, header.flags) = (session, header.flags | stop);
+                header.lineage = lineage_again(&header.lineage, &mut plots_taken, tracks_out);
+                ports.tracks.send(header, tracks, |header| header.stamps.tracks_out_ns = monotonic_ns())?;
+                tracks_out += 1;
+                (header.scan, header.flags)
+            }
+            Recorded::Truth(header, targets) => {
+                header.session = session;
+                ports.truth.send(header, targets, |header| header.source_out_ns = monotonic_ns())?;
+                continue;
+            }
+            Recorded::Health(..) => continue,
+        };
+        let health = &mut reporter.health;
+        health.scan = scan;
+        health.messages_out += 1;
+        health.elements_out += length as u64;
+        let last = drives && flags & END_OF_STREAM != 0;
+        health.ended = u32::from(last);
+        if last || reporter.is_due() {
+            reporter.publish()?;
+        }
+        if last {
+            ports.linger();
+            return Ok(ExitCode::SUCCESS);
+        }
+    }
+    Err(BadInput(format!("{} holds no {} of these scans", chain.replay.file, driving.name())).into())
+}
+
+/// Publisher of a topic, if it is replayed.
+struct Port<M: Message>(Option<Publisher<M>>);
+
+impl<M: Message> Port<M> {
+    fn new(station: &Station, chain: &ChainConfig, most: usize, consumers: &[Consumer]) -> anyhow::Result<Self> {
+        let wanted = chain.replay.topics.contains(&M::TOPIC);
+        Ok(Self(wanted.then(|| station.publisher(most, consumers)).transpose()?))
+    }
+
+    fn send(
+        &self,
+        header: &M::Header,
+        elements: &[M::Element],
+        stamp: impl FnOnce(&mut M::Header),
+    ) -> anyhow::Result<()> {
+        let Some(publisher) = &self.0 else { return Ok(()) };
+        publisher.publish(header, elements, stamp).with_context(|| format!("publishing {}", M::TOPIC.name()))
+    }
+
+    fn wait(&self) -> anyhow::Result<()> {
+        Ok(self.0.as_ref().map_or(Ok(()), Publisher::wait_for_consumers)?)
+    }
+}
+
+struct Ports {
+    dwells: Port<Dwells>,
+    plots: Port<Plots>,
+    tracks: Port<Tracks>,
+    truth: Port<Truth>,
+}
+
+impl Ports {
+    fn new(station: &Station, chain: &ChainConfig) -> anyhow::Result<Self> {
+        let upstream = chain.upstream_of_recorder();
+        let runs = |name: &str, consumer| upstream.contains(&name).then_some(consumer);
+        let with = |stage: Option<Consumer>, recorded: bool| -> Vec<Consumer> {
+            stage.into_iter().chain(recorded.then_some(Consumer::Recorder)).collect()
+        };
+        let extractor = runs("plot-extractor", Consumer::PlotExtractor);
+        let tracker = runs("tracker", Consumer::Tracker);
+        let cells = chain.radar.grid().cells().min(MAX_CELLS);
+        Ok(Self {
+            dwells: Port::new(station, chain, cells, &with(extractor, chain.recorder.dwells))?,
+            plots: Port::new(station, chain, MAX_PLOTS, &with(tracker, true))?,
+            tracks: Port::new(station, chain, MAX_TRACKS, &with(None, true))?,
+            truth: Port::new(station, chain, MAX_TARGETS, &with(None, true))?,
+        })
+    }
+
+    fn wait_for_consumers(&self) -> anyhow::Result<()> {
+        self.dwells.wait()?;
+        self.plots.wait()?;
+        self.tracks.wait()?;
+        self.truth.wait()
+    }
+
+    fn linger(&self) {
+        let Self { dwells, plots, tracks, .. } = self;
+        dwells.0.iter().for_each(Publisher::linger);
+        plots.0.iter().for_each(Publisher::linger);
+        tracks.0.iter().for_each(Publisher::linger);
+    }
+}

@@ -1,0 +1,148 @@
+//! Recordings cut and spoilt at many places: what is whole is read, and the check says where it ends.
+
+use std::io::Cursor;
+
+use common::message::Lineage;
+use common::recording::container::{Block, Blocks, Description, Reader, Writer};
+use common::recording::{Gap, GapReason, Recorded, RecordingError};
+use common::services::Topic;
+use common::tracks::{Track, TracksHeader};
+use recorder::verify::Verification;
+
+/// Random places with a fixed seed.
+struct Places(u64);
+
+impl Places {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % limit
+    }
+}
+
+fn message(seq: u64, published_before: u64) -> Recorded {
+    let lineage = Lineage { published_before, ..Lineage::default() };
+    let header = TracksHeader { seq, session: 3, time_ns: 1 + seq * 1_000_000, lineage, ..TracksHeader::default() };
+    let state = [(seq as f64 + 0.1).sqrt(); 9];
+    Recorded::Tracks(header, vec![Track { id: seq, state, ..Track::default() }; (seq % 4) as usize])
+}
+
+const CHUNK: u64 = 7;
+
+fn description(part: u32) -> Description {
+    Description { site: "here".into(), run: "test".into(), part, ..Description::default() }
+}
+
+/// Messages `from..to`, in chunks of seven; closed in order or not.
+fn recording(part: u32, from: u64, to: u64, gap: Option<Gap>, close: bool) -> Vec<u8> {
+    let mut file = Cursor::new(Vec::new());
+    let mut writer = Writer::new(&mut file, &description(part), "", 1 << 20).expect("memory");
+    if let Some(gap) = gap {
+        writer.write_gap(&gap).expect("memory");
+    }
+    for seq in from..to {
+        writer.write(message(seq, seq).by_ref()).expect("memory");
+        if (seq + 1) % CHUNK == 0 {
+            writer.flush().expect("memory");
+        }
+    }
+    if close {
+        writer.finish().expect("memory");
+    } else {
+        writer.flush().expect("memory");
+        let whole = usize::try_from(writer.safe_bytes()).expect("a length");
+        drop(writer);
+        file.get_mut().truncate(whole);
+    }
+    file.into_inner()
+}
+
+fn verify(files: &[&[u8]]) -> (String, u64) {
+    let mut verification = Verification::default();
+    for (index, bytes) in files.iter().enumerate() {
+        verification.file(&format!("file {index}"), bytes.len() as u64, *bytes);
+    }
+    verification.finish()
+}
+
+/// End of each chunk in the file and the messages up to it.
+fn chunks(bytes: &[u8]) -> Vec<usize> {
+    let offsets = Blocks::new(bytes).filter_map(|block| match block {
+        Block::Chunk { offset, .. } => usize::try_from(offset).ok(),
+        _ => None,
+    });
+    let length =
+        |offset: usize| u64::from_le_bytes(bytes[offset + 1..offset + 9].try_into().expect("8 bytes")) as usize;
+    offsets.map(|offset| offset + 9 + length(offset)).collect()
+}
+
+#[test]
+fn a_recording_cut_at_a_thousand_places_gives_every_whole_chunk_and_says_where_it_ends() {
+    let messages = 60 * CHUNK;
+    let bytes = recording(0, 0, messages, None, true);
+    assert_eq!(verify(&[&bytes]).1, 0, "{}", verify(&[&bytes]).0);
+    let ends = chunks(&bytes).split_off(1); // the first one holds the channels
+    assert_eq!(ends.len() as u64, 60);
+    let mut places = Places(4);
+    for _ in 0..1000 {
+        let cut = places.below(bytes.len() - 8) + 8;
+        let whole = ends.iter().filter(|&&end| end <= cut).count() as u64 * CHUNK;
+        let read: Vec<Recorded> = Reader::new(&bytes[..cut])
+            .collect::<Result<_, _>>()
+            .unwrap_or_else(|error| panic!("cut at {cut}: {error}"));
+        assert_eq!(read.len() as u64, whole, "cut at {cut}");
+        assert!(read.iter().zip(0..).all(|(read, seq)| *read == message(seq, seq)), "cut at {cut}");
+
+        let (text, findings) = verify(&[&bytes[..cut]]);
+        assert_eq!(findings, 1, "cut at {cut}: {text}");
+        let last =
+            if whole == 0 { "no message".to_string() } else { format!("last whole message tracks {}", whole - 1) };
+        let line = text.lines().find(|line| line.contains("cut: ends at byte")).unwrap_or_else(|| panic!("{text}"));
+        assert!(line.contains(&format!("of {cut}, {last}")), "cut at {cut}: {line}");
+        let end: usize = line.split(' ').nth(6).and_then(|word| word.parse().ok()).expect("a number");
+        let last_chunk = ends.iter().copied().filter(|&end| end <= cut).max().unwrap_or(8);
+        assert!(end <= cut && end >= last_chunk, "cut at {cut}: {line}");
+    }
+}
+
+#[test]
+fn a_spoilt_chunk_is_found_by_its_place_and_the_others_are_read() {
+    let bytes = recording(0, 0, 60 * CHUNK, None, true);
+    let ends = chunks(&bytes);
+    let mut places = Places(5);
+    for _ in 0..100 {
+        let chunk = 1 + places.below(ends.len() - 1);
+        // In the second half of the record lie its packed messages.
+        let (start, end) = (ends[chunk - 1], ends[chunk]);
+        let place = end - 1 - places.below((end - start) / 4);
+        let mut spoilt = bytes.clone();
+        spoilt[place] ^= 0x55;
+        let read: Vec<Result<Recorded, RecordingError>> = Reader::new(spoilt.as_slice()).collect();
+        assert_eq!(read.iter().filter(|message| message.is_ok()).count() as u64, 59 * CHUNK, "byte {place}");
+        assert_eq!(read.iter().filter(|message| message.is_err()).count(), 1);
+        let (text, findings) = verify(&[&spoilt]);
+        assert!(findings >= 1 && text.contains("FOUND damaged container: byte"), "byte {place}: {text}");
+    }
+}
+
+#[test]
+fn what_is_missing_must_be_what_the_gaps_say() {
+    let gap = |count| Gap {
+        topic: Topic::Tracks,
+        session: 3,
+        first_seq: 21,
+        last_seq: 20 + count,
+        count,
+        reason: GapReason::Away,
+    };
+    let cut = recording(0, 0, 21, None, false);
+    assert!(verify(&[&cut]).0.contains("no next part follows"));
+    // Nine are missing between the two parts: 21 to 29.
+    let next = |gap| recording(1, 30, 60, gap, true);
+    let (text, findings) = verify(&[&cut, &next(Some(gap(9)))]);
+    assert_eq!(findings, 0, "{text}");
+    assert!(text.contains("gap in tracks: 9 missing at positions 21 to 29 (recorder away)"), "{text}");
+    for (gap, words) in [(None, "9 missing"), (Some(gap(7)), "2 missing"), (Some(gap(10)), "1 messages fewer")] {
+        let (text, findings) = verify(&[&cut, &next(gap)]);
+        assert!(findings == 1 && text.contains(words), "{text}");
+    }
+}
