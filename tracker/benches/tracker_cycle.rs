@@ -7,14 +7,16 @@
 //! which a turning beam meets them. The plots stay the same from scan to scan, so each track settles and what is timed is
 //! the steady state.
 //!
-//! **Limits.** Arithmetic: 5040 multiplications and additions a track and 159 a plot, 5835 here; 0.13 µs at 16 fused
-//! operations a cycle and 2.8 GHz. Memory: a track is 744 bytes, read and written in each scan, and its five plots are 560
-//! bytes, read for the index and for the gates, with 100 of the index: 2.7 kB. 1000 tracks stay in the second-level cache; 10,000
-//! and more do not, and at the 12 GB/s that one core reads (20 with what it writes) cannot cost less than 0.2 µs each in addition, where
-//! loads are not hidden behind arithmetic. So the time of a track grows once, where the bank leaves the cache, and is constant
-//! on both sides of that.
+//! **Limits.** Arithmetic: 5040 multiplications and additions a track and 159 a plot, 5835 here: 182 cycles of two eight-lane fused
+//! operations, 0.065 µs at 2.8 GHz. Memory: a track is 744 bytes, read and written in each scan; its five plots are 560
+//! bytes, read once for the index and once for the gates, and 100 are the index: 2.7 kB. 1000 tracks stay in the second-level cache (99 GB/s in
+//! place on the machine of `docs/adr/0010`); 10,000 and more do not. There one core reads 11.6 GB/s and moves 19.8 in place, so that a
+//! track cannot take less than 0.19 µs for its memory alone, which is 0.4 times what all of it takes from the cache: time per track grows where the bank leaves the
+//! cache, unless all loads were hidden behind arithmetic. It is linear on both sides of that.
 //!
-//! `plot_index` is the index alone: sorting, and one window of four expected plots about each plot. The gains a = ℓ/ρ are given: they belong to the plots and cost the same whatever the filter.
+//! `plot_index` is the index alone: sorting, and one window of four expected plots about each plot.
+//!
+//! The gains a = ℓ/ρ are given: they belong to the plots and cost the same whatever the filter.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
