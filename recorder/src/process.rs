@@ -153,7 +153,9 @@ impl Recorder {
             self.gaps.extend(gap.into_iter().take(room));
             return;
         };
-        gap.into_iter().for_each(|gap| recording.write_gap(gap));
+        if let Some(gap) = gap {
+            recording.write_gap(gap);
+        }
         recording.write(message);
         for gap in recording.take_unwritten() {
             self.fold.not_written(gap.topic, gap.count);

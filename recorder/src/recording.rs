@@ -157,8 +157,9 @@ impl Recording {
             .flatten()
             .filter_map(|entry| {
                 let name = entry.file_name();
-                let ours = name.to_str().is_some_and(|name| name.starts_with(&prefix) && name.ends_with(".mcap"));
+                let ours = name.to_str().is_some_and(|name| name.starts_with(&prefix));
                 let (path, about) = (entry.path(), entry.metadata().ok()?);
+                let ours = ours && path.extension().is_some_and(|extension| extension == "mcap");
                 let ours = ours && about.is_file() && path != own && is_of_site(&path, &self.description.site);
                 ours.then(|| (about.modified().unwrap_or(SystemTime::UNIX_EPOCH), path, about.len()))
             })
@@ -281,8 +282,12 @@ impl Recording {
         let (safe, messages, gaps) = (writer.safe_bytes(), writer.unsaved().to_vec(), writer.unsaved_gaps().to_vec());
         drop(writer); // which still tries to write an end
         self.files.gaps.retain(|gap| !gaps.contains(gap));
-        gaps.into_iter().for_each(|gap| self.remember(gap));
-        messages.into_iter().for_each(|gap| self.lose(gap));
+        for gap in gaps {
+            self.remember(gap);
+        }
+        for gap in messages {
+            self.lose(gap);
+        }
         if safe > start {
             let cut = File::options().write(true).open(&path).and_then(|file| file.set_len(safe));
             if let Err(error) = cut {

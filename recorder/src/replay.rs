@@ -83,6 +83,9 @@ impl Iterator for Playback {
                 Err(error) => return Some(Err(error)),
             }
         }
+        if waiting == 1 && self.ready.len() > 1 && self.ready.front().is_some_and(|first| drives(first, self.driving)) {
+            self.ready.rotate_left(1); // nothing may follow the end of the stream
+        }
         let mut message = self.ready.pop_front()?;
         if drives(&message, self.driving) {
             mark_end(&mut message, waiting == 1);

@@ -41,12 +41,17 @@ impl Bench {
 
     /// `radar-chain COMMAND` in this domain, everything it writes in this folder.
     pub(crate) fn command(&self, command: &str, config: &Path) -> Command {
+        let mut process = self.bare(command);
+        process.arg("--config").arg(config);
+        process
+    }
+
+    /// The same without a configuration.
+    pub(crate) fn bare(&self, command: &str) -> Command {
         let mut process = Command::new(env!("CARGO_BIN_EXE_radar-chain"));
         process
             .current_dir(self.folder.path())
             .arg(command)
-            .arg("--config")
-            .arg(config)
             .args(["--ipc-prefix", &self.prefix])
             .args(["--set", &format!("ipc.root='{}'", self.folder.path().display())])
             .stdin(Stdio::null());

@@ -14,6 +14,7 @@ use crate::recording::{Gap, Recorded, RecordingError};
 use crate::services::{ALL_TOPICS, Topic};
 
 /// What lies in a recording.
+#[expect(clippy::large_enum_variant, reason = "nearly all entries are messages")]
 #[derive(Debug, Clone, PartialEq)]
 pub enum Entry {
     /// A message.
