@@ -33,7 +33,8 @@ fn a_stage_of_another_version_or_mode_is_refused_and_the_chain_goes_on() {
     {
         let station = Station::enter("plot-extractor", &chain).expect("a place in the domain");
         let refused = station.subscriber::<OldDwells>().err().expect("another version").to_string();
-        assert!(refused.contains("dwell/0") && refused.contains("another version"), "{refused}");
+        assert!(refused.contains("(dwell/0, lossless)") && refused.contains("the service there is"), "{refused}");
+        assert!(refused.contains("dwell/1"), "both versions: {refused}");
         station.subscriber::<Dwells>().expect("the same version");
     }
     let other = bench.command("stage", &small_config()).arg("tracker").args(["--set", "run.mode=real-time"]).output();

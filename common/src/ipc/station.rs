@@ -168,7 +168,16 @@ impl Station {
             .history_size(M::HISTORY)
             .enable_safe_overflow(mode == Mode::RealTime)
             .open_or_create_with_attributes(&attributes)
-            .map_err(|cause| error(explain(&format!("{cause:?}"))))
+            .map_err(|cause| error(format!("{}{}", explain(&format!("{cause:?}")), self.present(&name))))
+    }
+
+    /// What the attributes of a service that exists say: its version and mode.
+    fn present(&self, name: &ServiceName) -> String {
+        let details = Ipc::details(name, self.domain.config(), MessagingPattern::PublishSubscribe);
+        let Ok(Some(details)) = details else { return String::new() };
+        let attributes = details.static_details.attributes().iter();
+        let told: Vec<String> = attributes.map(|attribute| attribute.value().to_string()).collect();
+        format!("; the service there is {}", told.join(", "))
     }
 
     fn event(&self, service: &str) -> Result<EventService, IpcError> {
