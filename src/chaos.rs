@@ -215,6 +215,6 @@ fn recordings(part: &Path) -> Vec<String> {
 
 /// Whether a file is a part of the run whose files begin with `stem`.
 fn is_part(path: &Path, stem: &str) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    name.starts_with(stem) && name.ends_with(".mcap")
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.starts_with(stem) && path.extension().is_some_and(|extension| extension == "mcap")
 }
