@@ -102,7 +102,7 @@ fn a_recorder_that_stands_still_costs_no_track() {
     let recorder = bench.wait_for("the recorder", |status| number(status, "recorder", "pid")) as u32;
     let mut stopped = false;
     let seen = observe(&bench, |scan| {
-        if scan >= 15 && scan < 40 && !stopped {
+        if (15..40).contains(&scan) && !stopped {
             signal(recorder, "STOP");
             stopped = true;
         } else if scan >= 40 && stopped {
