@@ -64,10 +64,10 @@ impl StageName {
     }
 }
 
-/// Longest pause before a restart.
-const LONGEST_BACKOFF: Duration = Duration::from_secs(5);
+/// Twice the longest pause before a restart: a stage is back within a scan or two even if it died often.
+const LONGEST_BACKOFF: Duration = Duration::from_secs(2);
 /// A stage that lives this long has recovered: the next restart is quick again.
-const RECOVERED: Duration = Duration::from_secs(10);
+const RECOVERED: Duration = Duration::from_secs(2);
 /// After this time every living process has said where it stands.
 const HEARD_ALL: Duration = Duration::from_millis(1500);
 

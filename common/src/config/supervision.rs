@@ -10,7 +10,7 @@ use super::load::{ConfigError, not_negative, positive, require};
 pub struct SupervisionConfig {
     /// Restarts of one stage before the chain gives up.
     pub max_restarts: u32,
-    /// Pause before a restart, s; doubled when a stage dies again within ten seconds.
+    /// Pause before a restart, s; doubled, up to 1 s, when a stage dies again within two seconds.
     pub backoff_s: f64,
     /// How long a stage may take to drain and end after the source has, s.
     pub drain_s: f64,
