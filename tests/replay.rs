@@ -9,6 +9,9 @@ use common::services::Topic;
 use recorder::diff::first_difference;
 use support::{Bench, output, small_config, text_of};
 
+/// What a replay has to repeat.
+const COMPARED: &[Topic] = &[Topic::Plots, Topic::Tracks, Topic::Truth];
+
 /// The messages of a run, all its parts.
 fn messages(path: &Path, topics: &'static [Topic]) -> Messages {
     let messages = parts_from(path).into_iter().flat_map(|part| open(&part).expect("a recording"));
@@ -25,7 +28,6 @@ fn repeat(config: &Path, arguments: &[&str], topics: &[&str], speeds: &[&str]) {
         for speed in speeds {
             let folder = bench.path(&format!("again-{topic}-{speed}"));
             let again = replay(&bench, &recorded, topic, speed, &folder);
-            const COMPARED: &[Topic] = &[Topic::Plots, Topic::Tracks, Topic::Truth];
             let difference = first_difference(messages(&recorded, COMPARED), messages(&again, COMPARED));
             assert_eq!(difference.expect("whole recordings"), None, "{topic} at {speed}");
         }
