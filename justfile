@@ -17,3 +17,24 @@ bench:
 # What must hold before a change lands
 ci:
     bash .ci/run
+
+lib := "/usr/local/lib"
+sudo := if `id -u` == "0" { "" } else { "sudo" }
+
+# Install the program, its units, their user and a first configuration (deploy/README.md)
+install:
+    cargo build --release --locked -p radar-chain
+    {{sudo}} install -Dm755 -t /usr/local/bin "${CARGO_TARGET_DIR:-target}/release/radar-chain"
+    {{sudo}} install -Dm644 -t {{lib}}/systemd/system deploy/systemd/radar-chain*.service deploy/systemd/radar-chain.target
+    {{sudo}} install -Dm644 -t {{lib}}/systemd/system/radar-chain-.service.d deploy/systemd/radar-chain-.service.d/*.conf
+    {{sudo}} install -Dm644 deploy/systemd/sysusers.conf {{lib}}/sysusers.d/radar-chain.conf
+    test -e /etc/radar-chain/chain.toml || {{sudo}} install -Dm644 -t /etc/radar-chain deploy/chain.toml
+    {{sudo}} systemd-sysusers {{lib}}/sysusers.d/radar-chain.conf
+    {{sudo}} systemctl daemon-reload
+
+# Stop the chain and remove what `install` has put there, but for configuration, recordings and user
+uninstall:
+    -{{sudo}} systemctl disable --now radar-chain.target radar-chain-plot-source.service
+    {{sudo}} rm -rf {{lib}}/systemd/system/radar-chain*.service {{lib}}/systemd/system/radar-chain.target {{lib}}/systemd/system/radar-chain-.service.d
+    {{sudo}} rm -f {{lib}}/sysusers.d/radar-chain.conf /usr/local/bin/radar-chain
+    {{sudo}} systemctl daemon-reload

@@ -1,19 +1,30 @@
 //! `radar-chain`: launches, supervises and shows a radar processing chain.
 
 mod board;
+mod chaos;
+mod child;
+mod claim;
+mod compare;
+mod doctor;
+mod keeper;
+mod machine;
+mod metrics;
+mod orphans;
 mod run;
 mod screen;
+mod soak;
 mod stage;
 mod status;
 mod supervisor;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use common::config::{self, ChainConfig, Speed};
-use common::process::StageArgs;
+use common::process::{BadInput, StageArgs};
 
 use crate::stage::StageName;
 
@@ -29,6 +40,10 @@ const DEFAULT_CONFIG: &str = "config/uav.toml";
 ///   radar-chain run --config config/smr.toml --set plot_source.file=radar.ast
 ///   radar-chain run --replay recordings/FILE.mcap        recorded plots through the present tracker
 ///   radar-chain status                                   look at a running chain
+///   radar-chain soak --duration 8h --reference           latencies, losses and memory against limits
+///   radar-chain compare soak-1/report.json soak-2/report.json
+///   radar-chain chaos --kills 100                        kill stages, check the books
+///   radar-chain doctor                                   is this machine fit?
 ///   radar-chain config                                   every key with its value
 #[derive(Parser)]
 #[command(name = "radar-chain", version, verbatim_doc_comment)]
@@ -41,10 +56,35 @@ struct Arguments {
 enum Command {
     /// Launch the processes and supervise them until the source ends or Ctrl-C
     Run(RunArgs),
+    /// Run the chain and judge its latencies, losses and memory: exit code 1 if a limit is broken
+    Soak(SoakArgs),
+    /// Say whether a later soak is worse than an earlier one: exit code 1 if it is
+    Compare {
+        /// Report of the earlier soak
+        a: PathBuf,
+        /// Report of the later one
+        b: PathBuf,
+        /// Share by which a latency may be longer
+        #[arg(long, default_value_t = 0.1, value_name = "SHARE")]
+        tolerance: f64,
+    },
+    /// Kill random stages of a running chain and check that nothing is lost uncounted
+    Chaos {
+        #[command(flatten)]
+        run: RunArgs,
+        /// Stages to kill, one after the other
+        #[arg(long, default_value_t = 20, value_name = "N")]
+        kills: u32,
+    },
+    /// Look whether this machine is fit for the chain
+    Doctor(StatusArgs),
     /// Show the processes of a running chain
     Status(StatusArgs),
     /// Print the effective configuration
     Config(ChainArgs),
+    /// One end of the bare hop that a soak compares with
+    #[command(hide = true)]
+    Hop(soak::HopArgs),
     /// Run one process of the chain
     #[command(hide = true)]
     Stage {
@@ -100,6 +140,57 @@ struct RunArgs {
     report: Option<PathBuf>,
 }
 
+/// Options of `soak`.
+#[derive(Args)]
+struct SoakArgs {
+    #[command(flatten)]
+    run: RunArgs,
+    /// How long, for example 8h or 30m; without it as many scans as `run` would
+    #[arg(long, value_name = "TIME", value_parser = parse_duration)]
+    duration: Option<Duration>,
+    /// Latency limit, for example end_to_end=3000@99 (µs at a percentile: 50, 90, 99 or 99.9)
+    #[arg(long = "budget", value_name = "NAME=US@PERCENTILE")]
+    budgets: Vec<String>,
+    /// Measure the bare hop of the middleware beside the chain
+    #[arg(long)]
+    reference: bool,
+    /// Folder of the results
+    #[arg(long, value_name = "DIR", default_value = "soak")]
+    out: PathBuf,
+}
+
+impl SoakArgs {
+    fn load(&self) -> anyhow::Result<ChainConfig> {
+        let mut overrides = Vec::new();
+        for budget in &self.budgets {
+            overrides.push(budget_override(budget)?);
+        }
+        if self.duration.is_some() && self.run.scans.is_none() {
+            overrides.push("run.scans=0".into());
+        }
+        self.run.load_with(overrides)
+    }
+}
+
+/// `NAME=US@PERCENTILE` as an override of the configuration.
+fn budget_override(text: &str) -> Result<String, BadInput> {
+    let refuse = || BadInput(format!("--budget {text}: expected NAME=US@PERCENTILE, for example end_to_end=3000@99"));
+    let (name, rest) = text.split_once('=').ok_or_else(refuse)?;
+    let (limit, percentile) = rest.split_once('@').ok_or_else(refuse)?;
+    let limit: f64 = limit.parse().map_err(|_| refuse())?;
+    if !["50", "90", "99", "99.9"].contains(&percentile) || !common::latency::LATENCY_NAMES.contains(&name) {
+        return Err(refuse());
+    }
+    Ok(format!("budget.{name}.p{}_us={limit:?}", percentile.replace('.', "")))
+}
+
+/// A time such as `8h`, `1h 30m` or `90s`.
+fn parse_duration(text: &str) -> Result<Duration, String> {
+    let expected = |_| "expected a time such as 8h, 30m or 90s".to_string();
+    let duration: jiff::SignedDuration = text.parse().map_err(expected)?;
+    Duration::try_from(duration).map_err(|_| "expected a time above 0".to_string())
+}
+
 /// Options of `status`.
 #[derive(Args)]
 struct StatusArgs {
@@ -134,6 +225,11 @@ impl ChainArgs {
 
 impl RunArgs {
     fn load(&self) -> anyhow::Result<ChainConfig> {
+        self.load_with(Vec::new())
+    }
+
+    /// The effective configuration, `more` overrides applied last.
+    fn load_with(&self, more: Vec<String>) -> anyhow::Result<ChainConfig> {
         let text = |path: &PathBuf| toml_text(&path.display().to_string());
         let mut overrides = Vec::new();
         overrides.extend(self.scans.map(|scans| format!("run.scans={scans}")));
@@ -145,6 +241,7 @@ impl RunArgs {
         overrides.extend(self.record.as_ref().map(|folder| format!("recorder.directory={}", text(folder))));
         overrides.extend(self.no_record.then(|| "recorder.record=false".to_string()));
         overrides.extend(self.report.as_ref().map(|file| format!("recorder.report={}", text(file))));
+        overrides.extend(more);
         match &self.replay {
             None => self.chain.load(overrides),
             Some(file) if self.chain.config.is_none() => {
@@ -170,6 +267,18 @@ fn main() -> ExitCode {
     let command = Arguments::parse().command.unwrap_or(Command::Run(RunArgs::default()));
     match command {
         Command::Run(args) => common::process::supervise("radar-chain", || run::run(args.load()?)),
+        Command::Soak(args) => common::process::supervise("radar-chain", || {
+            let plan = soak::Plan { duration: args.duration, out: args.out.clone(), reference: args.reference };
+            soak::soak(args.load()?, &plan)
+        }),
+        Command::Chaos { run, kills } => common::process::supervise("radar-chain", || chaos::chaos(run.load()?, kills)),
+        Command::Compare { a, b, tolerance } => {
+            common::process::run("radar-chain", || compare::compare(&a, &b, tolerance))
+        }
+        Command::Doctor(args) => {
+            common::process::run("radar-chain", || doctor::doctor(&args.chain.load(Vec::new())?, args.json))
+        }
+        Command::Hop(args) => common::process::run("bare-hop", || soak::hop(&args)),
         Command::Status(args) => {
             common::process::run("radar-chain", || status::status(&args.chain.load(Vec::new())?, args.json))
         }

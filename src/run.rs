@@ -1,4 +1,4 @@
-//! `radar-chain run`: from a clean domain to the report.
+//! `radar-chain run`: from a clean domain, or from a chain whose launcher has died, to the report.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -12,53 +12,116 @@ use common::report::Report;
 use common::services::{HealthReports, Topic};
 
 use crate::board::Board;
+use crate::claim::Claim;
+use crate::metrics::Metrics;
+use crate::orphans::Orphans;
 use crate::screen::Screen;
 use crate::supervisor::{End, Supervisor};
 
 /// Name of the launcher among the processes.
-const NAME: &str = "radar-chain";
+pub(crate) const NAME: &str = "radar-chain";
 
-/// Launches the chain, supervises it to its end and prints its report.
-pub(crate) fn run(mut chain: ChainConfig) -> anyhow::Result<ExitCode> {
-    if chain.run.id.is_empty() {
-        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-        chain.run.id = format!("{}-{:03}", common::time::utc_compact(now.as_secs()), now.subsec_millis());
-    }
-    let started = SystemTime::now();
-    check_report_place(Path::new(&chain.recorder.report))?;
-    Domain::check_shared_memory(&chain)?;
-    let domain = Domain::enter(&chain.ipc)?;
-    if domain.is_alive() {
-        let prefix = &chain.ipc.prefix;
-        return Err(BadInput(format!(
-            "a chain is already running in the domain `{prefix}`: stop it, or use another --ipc-prefix"
-        ))
-        .into());
-    }
-    domain.remove(); // what a killed chain has left
-    let domain = Domain::enter(&chain.ipc)?;
-    let ended = supervise(&chain);
-    domain.remove();
-    let (end, restarts) = ended?;
-    match end {
-        End::Failed(code) => Ok(ExitCode::from(code)),
-        End::Done { broken } => conclude(&chain, started, broken || restarts > 0),
+/// What goes along with a run and may take a hand in it.
+pub(crate) trait Companion {
+    /// Looks at the run, some ten times a second.
+    fn look(&mut self, board: &Board, supervisor: &mut Supervisor, screen: &mut Screen) -> anyhow::Result<()>;
+}
+
+/// Nobody goes along.
+pub(crate) struct Alone;
+
+impl Companion for Alone {
+    fn look(&mut self, _: &Board, _: &mut Supervisor, _: &mut Screen) -> anyhow::Result<()> {
+        Ok(())
     }
 }
 
+/// How a run went.
+pub(crate) struct Outcome {
+    /// Its report.
+    pub(crate) report: Report,
+    /// A stage found something broken or had to be restarted.
+    pub(crate) disturbed: bool,
+    /// Messages were lost though the mode is to lose none.
+    pub(crate) lossy: bool,
+}
+
+/// Launches the chain, supervises it to its end and prints its report.
+pub(crate) fn run(chain: ChainConfig) -> anyhow::Result<ExitCode> {
+    let report = chain.recorder.report.clone();
+    match launch(chain, &mut Alone)? {
+        Err(code) => Ok(code),
+        Ok(outcome) => {
+            print!("{}", outcome.report.to_text());
+            println!("report {report}");
+            let broken = outcome.lossy || outcome.disturbed;
+            Ok(if broken { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })
+        }
+    }
+}
+
+/// A chain from its start to its report, or the exit code of a run that failed.
+pub(crate) fn launch(
+    mut chain: ChainConfig,
+    companion: &mut dyn Companion,
+) -> anyhow::Result<Result<Outcome, ExitCode>> {
+    let started = SystemTime::now();
+    let _claim = Claim::take(&chain.ipc)?;
+    let orphans = Orphans::find(&chain)?;
+    if let Some(orphans) = &orphans {
+        chain = orphans.chain.clone();
+    } else {
+        if chain.run.id.is_empty() {
+            chain.run.id = run_id();
+        }
+        check_report_place(Path::new(&chain.recorder.report))?;
+        Domain::enter(&chain.ipc)?.remove(); // what a killed chain has left
+        Domain::check_shared_memory(&chain)?;
+    }
+    let ended = supervise(&chain, orphans.as_ref(), companion);
+    Domain::enter(&chain.ipc)?.remove();
+    let (end, restarts) = ended?;
+    match end {
+        End::Failed(code) => Ok(Err(ExitCode::from(code))),
+        End::Done { broken } => {
+            let report = read_report(Path::new(&chain.recorder.report), started)?;
+            let lossy = chain.run.mode == Mode::Lossless && report.lost() > 0;
+            Ok(Ok(Outcome { report, disturbed: broken || restarts > 0, lossy }))
+        }
+    }
+}
+
+/// Name of a run that begins now.
+pub(crate) fn run_id() -> String {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    format!("{}-{:03}", common::time::utc_compact(now.as_secs()), now.subsec_millis())
+}
+
 /// Runs the processes to their end.
-fn supervise(chain: &ChainConfig) -> anyhow::Result<(End, u32)> {
+fn supervise(
+    chain: &ChainConfig,
+    orphans: Option<&Orphans>,
+    companion: &mut dyn Companion,
+) -> anyhow::Result<(End, u32)> {
+    let metrics = Metrics::serve(&chain.metrics)?;
     let station = Station::enter(NAME, chain)?;
     let _keeper = station.keep_services()?;
     let health = station.subscriber::<HealthReports>()?;
     let wake = station.wake(Topic::Health)?;
-    let mut reporter = HealthReporter::new(&station, NAME, new_session())?;
+    let mut reporter = HealthReporter::new(&station, chain, new_session(), 0)?;
     let file = Domain::root(&chain.ipc).join("chain.toml");
     std::fs::write(&file, chain.to_toml()).with_context(|| format!("writing {}", file.display()))?;
 
-    let mut supervisor = Supervisor::start(chain, file)?;
-    let (mut board, mut screen, mut end) = (Board::default(), Screen::new(), None);
-    let attended = attend(&[&wake], || -> anyhow::Result<Flow> {
+    let mut screen = Screen::new();
+    let mut supervisor = match orphans {
+        None => Supervisor::start(chain, file)?,
+        Some(orphans) => {
+            screen.say("taking over a chain whose launcher has died");
+            Supervisor::adopt(chain, file, orphans)
+        }
+    };
+    let (mut board, mut end) = (Board::default(), None);
+    let attended = attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
         while let Some(report) = health.receive()? {
             report.elements().iter().for_each(|health| board.take(health));
         }
@@ -74,10 +137,12 @@ fn supervise(chain: &ChainConfig) -> anyhow::Result<(End, u32)> {
         if end.is_some() {
             return Ok(Flow::End);
         }
+        companion.look(&board, &mut supervisor, &mut screen)?;
         station.domain().clean_dead_nodes();
         reporter.health.restarts = supervisor.restarts();
         if reporter.is_due() {
             reporter.publish()?;
+            metrics.publish(&board);
         }
         screen.show(chain, &board);
         Ok(Flow::Wait)
@@ -100,17 +165,12 @@ fn check_report_place(path: &Path) -> anyhow::Result<()> {
     }
 }
 
-/// Prints the report and judges it.
-fn conclude(chain: &ChainConfig, started: SystemTime, disturbed: bool) -> anyhow::Result<ExitCode> {
-    let path = Path::new(&chain.recorder.report);
+/// The report that the recorder has left.
+fn read_report(path: &Path, started: SystemTime) -> anyhow::Result<Report> {
     let written = std::fs::metadata(path).and_then(|file| file.modified());
     if !written.is_ok_and(|written| written >= started) {
         anyhow::bail!("the recorder has left no report {}", path.display());
     }
     let text = std::fs::read_to_string(path).with_context(|| format!("reading report {}", path.display()))?;
-    let report: Report = serde_json::from_str(&text).with_context(|| format!("reading report {}", path.display()))?;
-    print!("{}", report.to_text());
-    println!("report {}", path.display());
-    let lossy = chain.run.mode == Mode::Lossless && report.lost() > 0;
-    Ok(if lossy || disturbed { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })
+    serde_json::from_str(&text).with_context(|| format!("reading report {}", path.display()))
 }

@@ -24,12 +24,19 @@ pub(crate) struct Screen {
     terminal: bool,
     drawn_lines: u16,
     last: Option<Instant>,
+    /// What is left of a run that ends by time.
+    left: Option<Duration>,
 }
 
 impl Screen {
     /// Standard error, as a terminal or not.
     pub(crate) fn new() -> Self {
-        Self { terminal: std::io::stderr().is_terminal(), drawn_lines: 0, last: None }
+        Self { terminal: std::io::stderr().is_terminal(), drawn_lines: 0, last: None, left: None }
+    }
+
+    /// Says from now on how long the run still takes.
+    pub(crate) fn left(&mut self, left: Duration) {
+        self.left = Some(left);
     }
 
     /// Shows the state of the chain if it is time to.
@@ -39,17 +46,21 @@ impl Screen {
             return;
         }
         self.last = Some(Instant::now());
+        let left = self.left.map_or(String::new(), |left| {
+            let s = left.as_secs();
+            format!("{}:{:02}:{:02} left  ", s / 3600, s / 60 % 60, s % 60)
+        });
         if self.terminal {
-            self.draw(&picture(chain, board));
+            self.draw(&format!("{left}{}", picture(chain, board)));
         } else {
-            eprintln!("{}", line(chain, board));
+            common::process::say(&format!("{left}{}", line(chain, board)));
         }
     }
 
     /// Writes a line for the user above the live status.
     pub(crate) fn say(&mut self, text: &str) {
         self.clear();
-        eprintln!("{text}");
+        common::process::say(text);
     }
 
     /// Takes the live status away.

@@ -1,15 +1,15 @@
 //! The processes of the chain as this program starts them: it is all of them, by its arguments.
 
-use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::{Child, Command, ExitCode, ExitStatus, Stdio};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
 use clap::ValueEnum;
 use common::config::{ChainConfig, SupervisionConfig};
-use common::process::StageArgs;
-use rustix::process::{Pid, Signal, kill_process};
+use common::process::{EXIT_BAD_USAGE, EXIT_CHECK_BROKEN, StageArgs};
+use rustix::process::Signal;
+
+use crate::child::Process;
 
 /// Processes that the launcher can start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -20,6 +20,7 @@ pub(crate) enum StageName {
     PlotExtractor,
     Tracker,
     Recorder,
+    Keeper,
 }
 
 impl StageName {
@@ -32,6 +33,7 @@ impl StageName {
             Self::PlotExtractor => plot_extractor::process::NAME,
             Self::Tracker => tracker::process::NAME,
             Self::Recorder => recorder::process::NAME,
+            Self::Keeper => crate::keeper::NAME,
         }
     }
 
@@ -44,6 +46,7 @@ impl StageName {
             Self::PlotExtractor => plot_extractor::process::run(args),
             Self::Tracker => tracker::process::run(args),
             Self::Recorder => recorder::process::run(args),
+            Self::Keeper => crate::keeper::keep(args),
         }
     }
 
@@ -65,6 +68,8 @@ impl StageName {
 const LONGEST_BACKOFF: Duration = Duration::from_secs(5);
 /// A stage that lives this long has recovered: the next restart is quick again.
 const RECOVERED: Duration = Duration::from_secs(10);
+/// After this time every living process has said where it stands.
+const HEARD_ALL: Duration = Duration::from_millis(1500);
 
 /// One supervised process.
 #[derive(Debug)]
@@ -78,21 +83,25 @@ pub(crate) struct Stage {
 #[derive(Debug)]
 enum State {
     Running {
-        child: Child,
+        process: Process,
         since: Instant,
     },
-    Ended(ExitStatus),
-    /// Died and is not wanted any more.
-    GivenUp,
+    /// Died; it is started again at this time.
     Waiting {
         until: Instant,
     },
+    /// Ended, and whether it found something broken.
+    Ended {
+        broken: bool,
+    },
+    /// Died when it could not be started again any more.
+    GivenUp,
 }
 
-/// What has become of a stage since it was last looked at.
+/// What has become of a stage since the last look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Event {
-    /// Running, waiting for its restart, or ended before.
+    /// Nothing new.
     Nothing,
     /// Ended with success.
     Ended,
@@ -106,56 +115,69 @@ pub(crate) enum Event {
 
 impl Stage {
     /// Starts a process with the configuration in `file` and `overrides`.
-    pub(crate) fn start(
-        name: StageName,
-        file: &Path,
-        overrides: &[String],
-        config: &SupervisionConfig,
-    ) -> anyhow::Result<Self> {
-        let backoff = Duration::from_secs_f64(config.backoff_s);
-        Ok(Self { name, restarts: 0, state: spawn(name, file, overrides)?, backoff })
+    pub(crate) fn start(name: StageName, file: &Path, config: &SupervisionConfig) -> anyhow::Result<Self> {
+        let state = State::Running { process: Process::start(name, file, &[])?, since: Instant::now() };
+        Ok(Self { name, restarts: 0, state, backoff: Duration::from_secs_f64(config.backoff_s) })
+    }
+
+    /// Takes over a process that another launcher has started; one that is no more (`None`) is
+    /// started again when everybody has had time to say where the run stands.
+    pub(crate) fn adopt(name: StageName, pid: Option<u32>, config: &SupervisionConfig) -> Self {
+        let found = pid.and_then(Process::adopt);
+        let state = match found {
+            Some(process) => State::Running { process, since: Instant::now() },
+            None => State::Waiting { until: Instant::now() + HEARD_ALL },
+        };
+        Self { name, restarts: 0, state, backoff: Duration::from_secs_f64(config.backoff_s) }
     }
 
     /// Starts it again.
     pub(crate) fn restart(&mut self, file: &Path, overrides: &[String]) -> anyhow::Result<()> {
         self.restarts += 1;
-        self.state = spawn(self.name, file, overrides)?;
+        self.state = State::Running { process: Process::start(self.name, file, overrides)?, since: Instant::now() };
         Ok(())
     }
 
-    /// Looks what has become of the process. After [`Event::Died`], [`Event::Due`] follows when its pause is over.
-    pub(crate) fn look(&mut self, config: &SupervisionConfig) -> anyhow::Result<Event> {
+    /// Looks what has become of the process; `said_end` tells whether its last words were that it ends.
+    /// After [`Event::Died`], [`Event::Due`] follows when its pause is over.
+    pub(crate) fn look(&mut self, config: &SupervisionConfig, said_end: bool) -> anyhow::Result<Event> {
         match &mut self.state {
-            State::Ended(_) | State::GivenUp => Ok(Event::Nothing),
+            State::Ended { .. } | State::GivenUp => Ok(Event::Nothing),
             State::Waiting { until } => Ok(if Instant::now() >= *until { Event::Due } else { Event::Nothing }),
-            State::Running { child, since } => {
-                let Some(status) = child.try_wait().context("waiting for a process")? else {
-                    return Ok(Event::Nothing);
-                };
+            State::Running { process, since } => {
                 let lived = since.elapsed();
-                if status.success() || status.code() == Some(i32::from(common::process::EXIT_CHECK_BROKEN)) {
-                    self.state = State::Ended(status);
-                    return Ok(Event::Ended);
+                let Some((code, signal)) = process.exit(said_end)? else { return Ok(Event::Nothing) };
+                match code.map(u8::try_from) {
+                    Some(Ok(0)) => self.state = State::Ended { broken: false },
+                    Some(Ok(EXIT_CHECK_BROKEN)) => self.state = State::Ended { broken: true },
+                    Some(Ok(EXIT_BAD_USAGE)) => {
+                        self.state = State::Ended { broken: true };
+                        return Ok(Event::Refused);
+                    }
+                    _ => {
+                        let first = Duration::from_secs_f64(config.backoff_s);
+                        self.backoff = if lived > RECOVERED { first } else { (self.backoff * 2).min(LONGEST_BACKOFF) };
+                        self.state = State::Waiting { until: Instant::now() + self.backoff / 2 };
+                        return Ok(Event::Died(signal));
+                    }
                 }
-                if status.code() == Some(i32::from(common::process::EXIT_BAD_USAGE)) {
-                    self.state = State::Ended(status);
-                    return Ok(Event::Refused);
-                }
-                self.backoff = if lived > RECOVERED {
-                    Duration::from_secs_f64(config.backoff_s)
-                } else {
-                    (self.backoff * 2).min(LONGEST_BACKOFF)
-                };
-                self.state = State::Waiting { until: Instant::now() + self.backoff / 2 };
-                Ok(Event::Died(std::os::unix::process::ExitStatusExt::signal(&status)))
+                Ok(Event::Ended)
             }
+        }
+    }
+
+    /// Its process and how long that has been running, if it is.
+    pub(crate) fn running(&self) -> Option<(u32, Duration)> {
+        match &self.state {
+            State::Running { process, since } => Some((process.id(), since.elapsed())),
+            _ => None,
         }
     }
 
     /// Whether it has ended and found something broken, or died at the end.
     pub(crate) fn found_broken(&self) -> bool {
         match &self.state {
-            State::Ended(status) => !status.success(),
+            State::Ended { broken } => *broken,
             State::GivenUp => !self.name.is_source(),
             _ => false,
         }
@@ -168,39 +190,21 @@ impl Stage {
 
     /// Whether it has ended for good.
     pub(crate) fn has_ended(&self) -> bool {
-        matches!(self.state, State::Ended(_) | State::GivenUp)
+        matches!(self.state, State::Ended { .. } | State::GivenUp)
     }
 
     /// Sends a signal, if it is running.
     pub(crate) fn signal(&self, signal: Signal) {
-        if let State::Running { child, .. } = &self.state
-            && let Some(pid) = Pid::from_raw(child.id().cast_signed())
-        {
-            let _ = kill_process(pid, signal);
+        if let State::Running { process, .. } = &self.state {
+            process.signal(signal);
         }
     }
 
     /// Ends it at once and waits for it.
     pub(crate) fn kill(&mut self) {
-        if let State::Running { child, .. } = &mut self.state {
-            let _ = child.kill();
-            if let Ok(status) = child.wait() {
-                self.state = State::Ended(status);
-            }
+        if let State::Running { process, .. } = &mut self.state {
+            process.kill();
+            self.state = State::Ended { broken: true };
         }
     }
-}
-
-/// Starts this program as `name`. It gets a process group of its own: Ctrl-C in the
-/// terminal must reach the launcher alone, which then ends the source first.
-fn spawn(name: StageName, file: &Path, overrides: &[String]) -> anyhow::Result<State> {
-    let program = std::env::current_exe().context("finding this program's file")?;
-    let mut command = Command::new(program);
-    command.arg0(name.name()).arg("stage").arg(name.name()).arg("--config").arg(file);
-    for argument in overrides {
-        command.arg("--set").arg(argument);
-    }
-    let child =
-        command.stdin(Stdio::null()).process_group(0).spawn().with_context(|| format!("starting {}", name.name()))?;
-    Ok(State::Running { child, since: Instant::now() })
 }

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use common::config::ChainConfig;
-use common::ipc::{Domain, Flow, Station, attend};
+use common::ipc::{Domain, Flow, Station, Watchdog, attend};
 use common::process::BadInput;
 use common::services::{HealthReports, Topic};
 
@@ -29,7 +29,7 @@ pub(crate) fn status(chain: &ChainConfig, json: bool) -> anyhow::Result<ExitCode
     let health = station.subscriber::<HealthReports>()?;
     let wake = station.wake(Topic::Health)?;
     let (began, mut board) = (Instant::now(), Board::default());
-    attend(&[&wake], || -> anyhow::Result<Flow> {
+    attend(&[&wake], &Watchdog::new(&running, "status"), || -> anyhow::Result<Flow> {
         while let Some(report) = health.receive()? {
             report.elements().iter().for_each(|health| board.take(health));
         }

@@ -5,9 +5,11 @@ use std::time::{Duration, Instant};
 
 use common::config::ChainConfig;
 use common::process::{EXIT_BAD_USAGE, EXIT_FAILED};
+use common::time::monotonic_ns;
 use rustix::process::Signal;
 
 use crate::board::Board;
+use crate::orphans::Orphans;
 use crate::screen::Screen;
 use crate::stage::{Event, Stage, StageName};
 
@@ -21,10 +23,15 @@ pub(crate) struct Supervisor {
     ending_since: Option<Instant>,
     /// The stages have been asked to end, because the end of the stream has not reached them.
     told: bool,
+    /// The stage that may hang, and since when it is the one.
+    suspect: Option<(StageName, Instant)>,
 }
 
 /// How long after the source the other stages end by themselves.
 const LAST_WORDS: Duration = Duration::from_secs(3);
+
+/// A stage that has said nothing for so long may hang, or wait for one that does.
+const SUSPECT: Duration = Duration::from_millis(1500);
 
 /// How a supervised run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,9 +45,10 @@ pub(crate) enum End {
 impl Supervisor {
     /// Starts all processes of `chain`.
     pub(crate) fn start(chain: &ChainConfig, file: PathBuf) -> anyhow::Result<Self> {
-        let mut this = Self { chain: chain.clone(), file, stages: Vec::new(), ending_since: None, told: false };
+        let mut this =
+            Self { chain: chain.clone(), file, stages: Vec::new(), ending_since: None, told: false, suspect: None };
         for name in StageName::of(chain) {
-            match Stage::start(name, &this.file, &[], &chain.supervision) {
+            match Stage::start(name, &this.file, &chain.supervision) {
                 Ok(stage) => this.stages.push(stage),
                 Err(error) => {
                     this.kill_all();
@@ -49,6 +57,28 @@ impl Supervisor {
             }
         }
         Ok(this)
+    }
+
+    /// Takes over the processes that a dead launcher has left, and starts those that are missing.
+    pub(crate) fn adopt(chain: &ChainConfig, file: PathBuf, orphans: &Orphans) -> Self {
+        let adopted = |name| Stage::adopt(name, orphans.process(name), &chain.supervision);
+        let stages = StageName::of(chain).into_iter().map(adopted).collect();
+        Self { chain: chain.clone(), file, stages, ending_since: None, told: false, suspect: None }
+    }
+
+    /// The processes that run now, upstream last: names and process identifiers.
+    pub(crate) fn running(&self) -> impl Iterator<Item = (StageName, u32)> {
+        self.stages.iter().filter_map(|stage| Some((stage.name, stage.running()?.0)))
+    }
+
+    /// How many processes the chain has.
+    pub(crate) fn stages(&self) -> usize {
+        self.stages.len()
+    }
+
+    /// Whether the source has ended or been asked to.
+    pub(crate) fn is_ending(&self) -> bool {
+        self.ending_since.is_some()
     }
 
     /// Restarts of a process so far.
@@ -60,7 +90,8 @@ impl Supervisor {
     pub(crate) fn step(&mut self, board: &Board, screen: &mut Screen) -> anyhow::Result<Option<End>> {
         for index in 0..self.stages.len() {
             let name = self.stages[index].name;
-            match self.stages[index].look(&self.chain.supervision)? {
+            let said_end = board.of(name.name()).is_some_and(|health| health.ended == 1);
+            match self.stages[index].look(&self.chain.supervision, said_end)? {
                 Event::Nothing => {}
                 Event::Ended => {
                     if name.is_source() {
@@ -94,6 +125,7 @@ impl Supervisor {
                 }
             }
         }
+        self.end_hung(board, screen);
         if self.stages.iter().all(Stage::has_ended) {
             let broken = self.stages.iter().any(Stage::found_broken);
             return Ok(Some(End::Done { broken }));
@@ -116,6 +148,42 @@ impl Supervisor {
         Ok(None)
     }
 
+    /// Kills the stage that hangs, so that it is started again. A stage that waits for one downstream says nothing
+    /// either: only the most downstream of the silent ones can be the one that hangs, and once it speaks again the next
+    /// has as much time as it had.
+    fn end_hung(&mut self, board: &Board, screen: &mut Screen) {
+        if self.ending_since.is_some() {
+            return;
+        }
+        let now_ns = monotonic_ns();
+        let silent = |stage: &Stage| {
+            let (pid, since) = stage.running()?;
+            let heard = board.of(stage.name.name()).filter(|health| health.pid == pid);
+            Some(heard.map_or(since, |health| Duration::from_nanos(now_ns.saturating_sub(health.heartbeat_ns))))
+        };
+        // A stage that is not running, or has not said anything yet, keeps those upstream waiting as well.
+        let heard =
+            |stage: &Stage| board.of(stage.name.name()).map(|health| health.pid) == stage.running().map(|(pid, _)| pid);
+        let waits = |stage: &&Stage| silent(stage).is_none_or(|silent| silent > SUSPECT) || !heard(stage);
+        let Some(suspect) = self.stages.iter().find(waits) else {
+            self.suspect = None;
+            return;
+        };
+        let (name, supervision) = (suspect.name, &self.chain.supervision);
+        let since = match self.suspect {
+            Some((suspected, since)) if suspected == name => since,
+            _ => self.suspect.insert((name, Instant::now())).1,
+        };
+        let limit_s = if name == StageName::Recorder { supervision.recorder_hang_s } else { supervision.hang_s };
+        let limit = Duration::from_secs_f64(limit_s);
+        if let Some(silent) = silent(suspect).filter(|&silent| limit_s > 0.0 && silent > limit)
+            && since.elapsed() > limit.saturating_sub(SUSPECT).max(SUSPECT)
+        {
+            screen.say(&format!("{} has said nothing for {:.1} s: killing it", name.name(), silent.as_secs_f64()));
+            suspect.signal(Signal::KILL);
+        }
+    }
+
     /// Asks the source to end at the next sector; the others follow by themselves.
     pub(crate) fn stop(&mut self) {
         if self.ending_since.is_none() {
@@ -134,20 +202,27 @@ impl Supervisor {
     }
 }
 
+/// Tracks of a tracker that was started again are numbered from so many further up.
+pub(crate) const TRACKS_PER_START: u64 = 1_000_000;
+
 /// Where a restarted stage goes on: a source with the scan after the last one that
 /// anybody has seen, a tracker with numbers that no track has had.
 fn resume_at(stage: &Stage, board: &Board, chain: &ChainConfig) -> Vec<String> {
-    const TRACKS_PER_START: u64 = 1_000_000;
     if stage.name.is_source() {
-        let seen = board.all().map(|(_, health, _)| health.scan).max();
-        let next = seen.map_or(chain.run.first_scan, |scan| scan + 1);
-        // A run that was in its last scan repeats it: somebody has to say that it is the end.
-        let last = chain.run.scans.checked_sub(1).unwrap_or(u32::MAX);
-        vec![format!("run.first_scan={}", next.min(last))]
+        vec![format!("run.first_scan={}", next_scan(board, chain))]
     } else if stage.name == StageName::Tracker {
         let first = chain.run.first_track + TRACKS_PER_START * u64::from(stage.restarts + 1);
         vec![format!("run.first_track={first}")]
     } else {
         Vec::new()
     }
+}
+
+/// The scan after the last one that anybody has seen.
+pub(crate) fn next_scan(board: &Board, chain: &ChainConfig) -> u32 {
+    let at_work = board.all().filter(|(_, health, _)| health.messages_out > 0 || health.scan > 0);
+    let seen = at_work.map(|(_, health, _)| health.scan).max();
+    let next = seen.map_or(chain.run.first_scan, |scan| scan + 1);
+    // A run that was in its last scan repeats it: somebody has to say that it is the end.
+    next.min(chain.run.scans.checked_sub(1).unwrap_or(u32::MAX))
 }

@@ -3,30 +3,20 @@
 mod support;
 
 use common::recording::Recorded;
-use serde_json::Value;
-use support::{Bench, number, signal, text_of};
-
-const STAGES: [&str; 4] = ["radar-sim", "plot-extractor", "tracker", "recorder"];
-
-fn pids(status: &Value) -> Option<[u64; 4]> {
-    let found: Vec<u64> = STAGES.iter().filter_map(|stage| number(status, stage, "pid")).collect();
-    found.try_into().ok()
-}
+use support::{Bench, STAGES, pids, scan, signal, text_of};
 
 #[test]
 fn every_stage_comes_back_and_the_loss_is_reported() {
     let bench = Bench::new();
     let running = bench.start(&["--scans", "0", "--speed", "1"]);
-    let mut before = bench.wait_for("all stages at work", |status| {
-        pids(status).filter(|_| number(status, "tracker", "scan").is_some_and(|scan| scan >= 3))
-    });
+    let mut before = bench
+        .wait_for("all stages at work", |status| pids(status).filter(|_| scan(status).is_some_and(|scan| scan >= 3)));
     for (index, stage) in STAGES.into_iter().enumerate() {
-        signal(before[index] as u32, "KILL");
+        signal(before[index], "KILL");
         let after = bench.wait_for(stage, |status| pids(status).filter(|now| now[index] != before[index]));
         for other in (0..4).filter(|&other| other != index) {
             assert_eq!(after[other], before[other], "{} has stayed while {stage} was killed", STAGES[other]);
         }
-        let scan = |status: &Value| number(status, "tracker", "scan");
         let seen = bench.wait_for("a scan", scan);
         bench.wait_for("further scans", |status| scan(status).filter(|&now| now >= seen + 3));
         before = after;

@@ -89,6 +89,63 @@ impl Rejected {
     }
 }
 
+/// What the watchdog of a process says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u32)]
+pub enum Condition {
+    /// Input comes and is worked off.
+    #[default]
+    Fine,
+    /// Nothing comes from upstream.
+    UpstreamSilent,
+    /// The process itself does not keep up.
+    Slow,
+}
+
+impl Condition {
+    /// In words, for status and logs.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Fine => "fine",
+            Self::UpstreamSilent => "upstream silent",
+            Self::Slow => "slow",
+        }
+    }
+
+    /// From its number in [`Health::condition`].
+    pub fn of(number: u32) -> Self {
+        [Self::Fine, Self::UpstreamSilent, Self::Slow].into_iter().find(|&it| it as u32 == number).unwrap_or_default()
+    }
+}
+
+/// What a stage may ask of the operating system (`[realtime]`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Wish {
+    /// Processors to run on.
+    Cpus,
+    /// Scheduling class and priority.
+    Scheduling,
+    /// Memory that stays resident.
+    LockMemory,
+}
+
+impl Wish {
+    /// All wishes with their names, as in the configuration.
+    pub const NAMED: [(Self, &'static str); 3] =
+        [(Self::Cpus, "cpus"), (Self::Scheduling, "scheduling"), (Self::LockMemory, "lock_memory")];
+
+    /// Its bit in [`Health::refused`].
+    pub fn bit(self) -> u32 {
+        1 << self as u32
+    }
+
+    /// Names of the wishes in a set of bits.
+    pub fn names(bits: u32) -> Vec<&'static str> {
+        Self::NAMED.iter().filter(|(wish, _)| bits & wish.bit() != 0).map(|&(_, name)| name).collect()
+    }
+}
+
 /// What a consumer knows of one topic it reads.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend)]
 #[type_name("radar/Intake/1")]
@@ -121,7 +178,7 @@ pub struct LatencySummary {
 
 /// State of one process.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
-#[type_name("radar/Health/1")]
+#[type_name("radar/Health/2")]
 #[repr(C)]
 #[repr(align(64))]
 pub struct Health {
@@ -161,8 +218,18 @@ pub struct Health {
     pub restarts: u32,
     /// 1 once the process has seen the end of the stream and published all.
     pub ended: u32,
+    /// Open file descriptors.
+    pub files: u32,
+    /// What its watchdog says, by [`Condition`].
+    pub condition: u32,
+    /// Times that nothing came from upstream for longer than `watchdog.silence_s`.
+    pub silences: u32,
+    /// Steps that took longer than `watchdog.slow_s`.
+    pub slow_steps: u32,
+    /// Real-time wishes that the system has refused, one bit each by [`Wish`].
+    pub refused: u32,
     /// Always 0: no undefined bytes.
-    pub reserved: [u32; 7],
+    pub reserved: [u32; 2],
 }
 
 const _: () = assert!(size_of::<Health>() == 576 && align_of::<Health>() == 64);

@@ -53,6 +53,16 @@ impl LatencyHistograms {
         }
     }
 
+    /// Adds the values of another histogram to one latency's, by its place in [`LATENCY_NAMES`].
+    pub fn add(&mut self, latency: usize, other: &Histogram<u64>) {
+        let _ = self.histograms[latency].add(other); // what lies above the bounds was cut when it was recorded
+    }
+
+    /// Forgets all values.
+    pub fn clear(&mut self) {
+        self.histograms.iter_mut().for_each(Histogram::clear);
+    }
+
     /// The histogram of one latency, in ns.
     pub fn of(&self, latency: Latency) -> &Histogram<u64> {
         &self.histograms[latency as usize]

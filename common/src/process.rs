@@ -1,16 +1,19 @@
 //! What the shells of all processes share: arguments, signals, logging, health, exit codes.
 
-use std::io::IsTerminal;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use sd_notify::NotifyState;
+
 use crate::config::{self, ChainConfig, ConfigError};
-use crate::health::Health;
-use crate::ipc::{IpcError, Publisher, Station};
+use crate::health::{Condition, Health};
+use crate::ipc::{Domain, IpcError, Publisher, Station, Watchdog};
+use crate::logging;
 use crate::services::{HealthHeader, HealthReports};
-use crate::time::{monotonic_ns, process_cpu_ns, resident_bytes};
+use crate::time::{monotonic_ns, open_files, process_cpu_ns, resident_bytes};
 
 /// Exit code: the chain ran, but a budget, loss limit or check was broken.
 pub const EXIT_CHECK_BROKEN: u8 = 1;
@@ -31,7 +34,35 @@ pub struct StageArgs {
     /// Keep this chain's shared memory apart from others'
     #[arg(long, value_name = "PREFIX")]
     pub ipc_prefix: Option<String>,
+    /// Go on where the run in this domain stands, as its keeper has written down
+    #[arg(long, value_name = "WHAT")]
+    pub resume: Option<Resume>,
 }
+
+/// What a stage that is started again goes on with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Resume {
+    /// A source: the scan after the last one that anybody has seen
+    Scan,
+    /// A tracker: track numbers that no track has had
+    Tracks,
+    /// A recorder: the same run
+    Run,
+}
+
+impl Resume {
+    /// The key of the configuration that says it.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Scan => "run.first_scan",
+            Self::Tracks => "run.first_track",
+            Self::Run => "run.id",
+        }
+    }
+}
+
+/// Where the keeper of a domain writes down what a stage that is started again goes on with.
+pub const RESUME_FILE: &str = "resume";
 
 impl StageArgs {
     /// The effective configuration.
@@ -43,6 +74,11 @@ impl StageArgs {
         if let Some(prefix) = &self.ipc_prefix {
             overrides.push(format!("ipc.prefix={prefix}"));
         }
+        let chain = config::load(self.config.as_deref(), &overrides)?;
+        let Some(resume) = self.resume else { return Ok(chain) };
+        let file = Domain::root(&chain.ipc).join(RESUME_FILE);
+        let place = std::fs::read_to_string(file).unwrap_or_default(); // none: the run begins
+        overrides.extend(place.lines().filter(|line| line.starts_with(resume.key())).map(String::from));
         config::load(self.config.as_deref(), &overrides)
     }
 }
@@ -65,31 +101,28 @@ pub fn supervise(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) ->
 }
 
 fn conclude(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
-    start_logging();
+    logging::start();
+    // Several processes may write to one terminal: each line says whose it is.
+    let _process = tracing::error_span!("process", name).entered();
     match body() {
         Ok(code) => code,
         Err(error) if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(IpcError::Stopped { .. }))) => {
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("{name}: {error:#}");
+            say(&format!("{name}: {error:#}"));
             let usage = error.chain().any(|cause| cause.is::<ConfigError>() || cause.is::<BadInput>());
-            let memory = |cause: &IpcError| matches!(cause, IpcError::SharedMemoryTooSmall { .. });
+            let memory =
+                |cause: &IpcError| matches!(cause, IpcError::SharedMemoryTooSmall { .. } | IpcError::OtherUser { .. });
             let usage = usage || error.chain().any(|cause| cause.downcast_ref().is_some_and(memory));
             ExitCode::from(if usage { EXIT_BAD_USAGE } else { EXIT_FAILED })
         }
     }
 }
 
-/// Log lines of level `warn` and above go to standard error; `RADAR_LOG` sets another filter.
-fn start_logging() {
-    let filter = tracing_subscriber::EnvFilter::try_from_env("RADAR_LOG")
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
-    let _ = tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_writer(std::io::stderr)
-        .try_init();
+/// Writes a line for the user to standard error. Whoever read it may be gone: that is no reason to end.
+pub fn say(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
 static SIGNALS: AtomicU32 = AtomicU32::new(0);
@@ -121,32 +154,42 @@ pub fn new_session() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |elapsed| elapsed.as_nanos() as u64)
 }
 
-/// Publishes the health of a process: at every scan and at least once a second.
+/// Publishes the health of a process: at every scan and at least once a second. A service manager that
+/// watches over the process (`NOTIFY_SOCKET`) hears of it at the same times.
 pub struct HealthReporter {
     publisher: Publisher<HealthReports>,
     /// The report, to be kept up to date by the process.
     pub health: Health,
+    watchdog: Watchdog,
     last: Option<Instant>,
     last_scan: u32,
 }
 
 impl HealthReporter {
-    /// A reporter for the process `name` of this `session`.
+    /// A reporter for the process `name` of this `session`. `refused` are the real-time wishes
+    /// that [`crate::realtime::take`] could not fulfil.
     ///
     /// # Errors
     /// [`IpcError`].
-    pub fn new(station: &Station, name: &str, session: u64) -> Result<Self, IpcError> {
-        let mut health = Health { session, pid: std::process::id(), ..Health::default() };
-        health.set_process(name);
-        Ok(Self { publisher: station.publisher(1, &[])?, health, last: None, last_scan: u32::MAX })
+    pub fn new(station: &Station, chain: &ChainConfig, session: u64, refused: u32) -> Result<Self, IpcError> {
+        let mut health = Health { session, pid: std::process::id(), refused, ..Health::default() };
+        health.set_process(station.process());
+        tracing::info!(process = station.process(), version = env!("CARGO_PKG_VERSION"), session, "started");
+        let watchdog = Watchdog::new(chain, station.process());
+        Ok(Self { publisher: station.publisher(1, &[])?, health, watchdog, last: None, last_scan: u32::MAX })
     }
 
-    /// Whether a report is due: a new scan or a second has passed.
+    /// The watchdog of the process, for [`crate::ipc::attend`].
+    pub fn watchdog(&self) -> Watchdog {
+        self.watchdog.clone()
+    }
+
+    /// Whether a report is due: a new scan or a second has passed, or a tenth of one while the process is young.
     pub fn is_due(&self) -> bool {
+        let pause = Duration::from_millis(if self.health.seq < 8 { 100 } else { 1000 });
         self.last.is_none_or(|last| {
             let elapsed = last.elapsed();
-            elapsed >= Duration::from_secs(1)
-                || (self.health.scan != self.last_scan && elapsed >= Duration::from_millis(50))
+            elapsed >= pause || (self.health.scan != self.last_scan && elapsed >= Duration::from_millis(50))
         })
     }
 
@@ -158,11 +201,49 @@ impl HealthReporter {
         self.health.heartbeat_ns = monotonic_ns();
         self.health.cpu_ns = process_cpu_ns();
         self.health.rss_bytes = resident_bytes();
+        self.health.files = open_files();
+        self.watchdog.describe(&mut self.health);
         let header = HealthHeader { session: self.health.session, seq: self.health.seq };
         self.publisher.publish(&header, std::slice::from_ref(&self.health), |_| {})?;
+        self.tell_service_manager();
         self.health.seq += 1;
         self.last = Some(Instant::now());
         self.last_scan = self.health.scan;
         Ok(())
+    }
+
+    /// Tells a service manager how the process does.
+    fn tell_service_manager(&self) {
+        let status = format!("scan {}, {}", self.health.scan, Condition::of(self.health.condition).text());
+        let news = match (self.health.seq, self.health.ended) {
+            (_, 1) => NotifyState::Stopping,
+            (0, _) => NotifyState::Ready,
+            _ => NotifyState::Watchdog,
+        };
+        // Without a service manager this does nothing.
+        let _ = sd_notify::notify(&[news, NotifyState::Status(&status)]);
+    }
+}
+
+static WAITED_NS: AtomicU64 = AtomicU64::new(0);
+
+/// Notes that this process has stood still for so long because a consumer did not take what it sends.
+pub(crate) fn note_waiting(time: Duration) {
+    WAITED_NS.fetch_add(time.as_nanos() as u64, Ordering::Relaxed);
+}
+
+/// How long this process has stood still for its consumers in all.
+pub(crate) fn waited() -> Duration {
+    Duration::from_nanos(WAITED_NS.load(Ordering::Relaxed))
+}
+
+/// Tells a service manager that watches over this process, at most once a second, that it lives but has to wait
+/// for another: not this one is the one that hangs.
+pub(crate) fn say_waiting() {
+    static SAID_MS: AtomicU64 = AtomicU64::new(0);
+    let now_ms = monotonic_ns() / 1_000_000;
+    if now_ms.saturating_sub(SAID_MS.load(Ordering::Relaxed)) >= 1000 {
+        SAID_MS.store(now_ms, Ordering::Relaxed);
+        let _ = sd_notify::notify(&[NotifyState::Watchdog, NotifyState::Status("waiting for a consumer")]);
     }
 }

@@ -23,6 +23,8 @@ pub enum Purpose {
     Test = 6,
     /// Resampling of results for their intervals.
     Resampling = 8,
+    /// Which stage is killed when.
+    Chaos = 9,
 }
 
 /// The generator for one purpose at one place in the run (scan and dwell, or run and step).

@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
 
 use crate::config::ChainConfig;
@@ -51,6 +52,15 @@ pub struct Report {
     pub tracking: Tracking,
     /// Resources, by process.
     pub processes: BTreeMap<String, ProcessUse>,
+    /// What was sent, received and lost, by topic and consumer.
+    #[serde(default)]
+    pub books: Vec<Book>,
+    /// Scans with a latency above its limit, the first [`MISSES_LISTED`] of each latency.
+    #[serde(default)]
+    pub misses: Vec<Miss>,
+    /// What a soak adds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub soak: Option<Soak>,
     /// The recording, if one was made: the last part of it.
     pub recording: Option<String>,
     /// Parts of the recording.
@@ -82,7 +92,7 @@ pub struct Percentiles {
 }
 
 /// One latency against its limit.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct BudgetResult {
     /// Limit, µs.
     pub limit_us: f64,
@@ -90,8 +100,93 @@ pub struct BudgetResult {
     pub percentile: f64,
     /// Scans with a value above the limit.
     pub misses: u64,
-    /// Whether the percentile lies within the limit; `true` without values.
+    /// Whether every percentile lies within its limit; `true` without values.
     pub ok: bool,
+    /// Every percentile that has a limit.
+    #[serde(default)]
+    pub limits: Vec<LimitResult>,
+}
+
+/// One percentile against its limit.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct LimitResult {
+    /// Percentile, 0 to 100.
+    pub percentile: f64,
+    /// Limit, µs.
+    pub limit_us: f64,
+    /// Its value, µs.
+    pub value_us: f64,
+    /// Whether the value lies within the limit.
+    pub ok: bool,
+}
+
+/// One topic as one consumer got it. Books balance when `received + lost = sent`.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Book {
+    /// Name of the topic.
+    pub topic: String,
+    /// Name of the consumer.
+    pub consumer: String,
+    /// What the recorder could have got: messages that publishers have counted. What a stage could have got: positions
+    /// of the schedule that have passed, those that a killed publisher never sent included.
+    pub sent: u64,
+    /// Messages received, as the consumer counts them.
+    pub received: u64,
+    /// Messages lost, from gap to gap.
+    pub lost: u64,
+}
+
+impl Book {
+    /// Whether everything sent was received or is known to be lost.
+    pub fn balances(&self) -> bool {
+        self.received + self.lost == self.sent
+    }
+}
+
+/// Misses of one latency that are listed.
+pub const MISSES_LISTED: usize = 200;
+
+/// A scan with a latency above its limit.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Miss {
+    /// The scan.
+    pub scan: u32,
+    /// Name of the latency.
+    pub latency: String,
+    /// Its largest value in this scan, µs.
+    pub us: f64,
+    /// Its limit, µs.
+    pub limit_us: f64,
+}
+
+/// What a soak adds to the report of a run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Soak {
+    /// Whether budgets, loss and memory stayed within their limits.
+    pub ok: bool,
+    /// What did not, in words.
+    pub findings: Vec<String>,
+    /// Latencies over the run in equally long blocks, by name.
+    pub blocks: BTreeMap<String, Blocks>,
+    /// Resident memory gained after warm-up, by process, MiB; not of processes that were restarted.
+    pub growth_mib: BTreeMap<String, f64>,
+    /// The bare hop measured beside the run, by the latency it is compared with, µs.
+    pub reference: BTreeMap<String, Percentiles>,
+    /// Median of a hop over the median of the bare one, by latency.
+    pub ratio_to_reference: BTreeMap<String, f64>,
+}
+
+/// One latency over the run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Blocks {
+    /// Middle of the block since the beginning, s.
+    pub t_s: Vec<f64>,
+    /// Median in the block, µs.
+    pub p50: Vec<f64>,
+    /// 99th percentile in the block, µs.
+    pub p99: Vec<f64>,
+    /// Largest value in the block, µs.
+    pub max: Vec<f64>,
 }
 
 /// Plots against truth.
@@ -183,6 +278,18 @@ pub struct ProcessUse {
     pub restarts: u64,
     /// Input that was not used, by reason.
     pub rejected: BTreeMap<String, u64>,
+    /// Open file descriptors at the last report.
+    #[serde(default)]
+    pub files: u32,
+    /// Times that nothing came from upstream for longer than allowed.
+    #[serde(default)]
+    pub silences: u64,
+    /// Steps that took longer than allowed.
+    #[serde(default)]
+    pub slow_steps: u64,
+    /// Real-time wishes that the system has refused.
+    #[serde(default)]
+    pub refused: Vec<String>,
 }
 
 impl Report {
@@ -264,11 +371,12 @@ impl Report {
         for (name, latency) in self.latency_us.iter().filter(|(_, latency)| latency.n > 0) {
             let Percentiles { n, p50, p90, p99, p999, max } = latency;
             write!(out, "{name:<12}{n:>9}{p50:>10.0}{p90:>10.0}{p99:>10.0}{p999:>10.0}{max:>10.0}")?;
-            match self.budget.get(name) {
-                Some(budget) if budget.ok => writeln!(out, "   p{} ≤ {:.0}", budget.percentile, budget.limit_us)?,
-                Some(budget) => writeln!(out, "   p{} > {:.0} BROKEN", budget.percentile, budget.limit_us)?,
-                None => writeln!(out)?,
+            for (place, limit) in self.budget.get(name).iter().flat_map(|budget| &budget.limits).enumerate() {
+                let (sign, broken) = if limit.ok { ("≤", "") } else { (">", " BROKEN") };
+                let separator = if place == 0 { "   " } else { ", " };
+                write!(out, "{separator}p{} {sign} {:.0}{broken}", limit.percentile, limit.limit_us)?;
             }
+            writeln!(out)?;
         }
         Ok(())
     }
@@ -283,9 +391,24 @@ impl Report {
             for (place, (reason, count)) in used.rejected.iter().enumerate() {
                 write!(out, "{}{count} {reason}", if place == 0 { "   " } else { ", " })?;
             }
+            if !used.refused.is_empty() {
+                write!(out, "   refused: {}", used.refused.join(", "))?;
+            }
             writeln!(out)?;
         }
         Ok(())
+    }
+}
+
+impl Percentiles {
+    /// Those of a histogram in ns.
+    pub fn of(histogram: &Histogram<u64>) -> Self {
+        if histogram.is_empty() {
+            return Self::default();
+        }
+        let us = |quantile| histogram.value_at_quantile(quantile) as f64 / 1000.0;
+        let max = histogram.max() as f64 / 1000.0;
+        Self { n: histogram.len(), p50: us(0.5), p90: us(0.9), p99: us(0.99), p999: us(0.999), max }
     }
 }
 
@@ -397,9 +520,16 @@ mod tests {
     fn a_report_reads_back_and_has_a_text() {
         let mut report = Report { scans: 60, config: Some(ChainConfig::default()), ..Report::default() };
         report.latency_us.insert("end_to_end".into(), Percentiles { n: 5, p50: 300.0, ..Percentiles::default() });
-        report
-            .budget
-            .insert("end_to_end".into(), BudgetResult { limit_us: 5000.0, percentile: 99.0, misses: 0, ok: true });
+        report.budget.insert(
+            "end_to_end".into(),
+            BudgetResult {
+                limit_us: 5000.0,
+                percentile: 99.0,
+                misses: 0,
+                ok: true,
+                limits: vec![LimitResult { percentile: 99.0, limit_us: 5000.0, value_us: 400.0, ok: true }],
+            },
+        );
         report.tracking.truth_share = Some(0.737);
         assert_eq!(serde_json::from_str::<Report>(&report.to_json()).expect("JSON"), report);
         let text = report.to_text();

@@ -178,7 +178,7 @@ pub const MAX_CELLS: usize = 4 * 1024 * 1024;
 
 impl Message for HealthReports {
     const TOPIC: Topic = Topic::Health;
-    const SCHEMA: &'static str = "health/1";
+    const SCHEMA: &'static str = "health/2";
     const BUFFER: usize = 16;
     const SUBSCRIBERS: usize = 8;
     const PUBLISHERS: usize = 12;

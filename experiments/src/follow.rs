@@ -289,6 +289,8 @@ impl Follower {
         pursuit.outside = if in_gate { 0 } else { pursuit.outside + 1 };
         if pursuit.given_up || pursuit.outside >= LOST_SCANS {
             pursuit.fate.lost_at.get_or_insert(k);
+            // The source ends here; what goes on is what it would have predicted. Gates of all modes go on looking.
+            pursuit.given_up |= self.rules.gate_rule != GateRule::Union;
         }
         let far = distance_m(outcome.posterior.mixture().position(), &sight.truth) > LOST_DISTANCE_M;
         pursuit.beyond = if far { pursuit.beyond + 1 } else { 0 };
@@ -332,7 +334,7 @@ mod tests {
         assert!((nees / scans - 2.80).abs() < 0.3, "{}", nees / scans);
     }
 
-    /// The source's gate never becomes empty at F = 0.1: every track is lost at the first manoeuvre, and gets no plots once it is given up.
+    /// The source's gate never becomes empty at F = 0.1: every track is lost at a manoeuvre, and gets no plots once it is given up.
     #[test]
     fn a_track_that_is_given_up_only_predicts() {
         let conditions = Conditions { pfa: 0.1, reference_cells: 0, snr_db: 16.0, swerling: Swerling::One };
@@ -343,8 +345,9 @@ mod tests {
             let fate = follower.watch(&sights, 2, run, |_, plots| offered.push(plots.len()));
             assert!(fate.lost_at.is_some() && fate.strayed && fate.scans() < SCANS, "{fate:?}");
             assert_eq!(fate, follower.fate(&sights, 2, run));
-            let last = offered.iter().rposition(|&plots| plots > 0).expect("plots at first");
-            assert!(last + 1 < offered.len() && offered[last] > 20, "{offered:?}");
+            let lost_at = fate.scans() as usize;
+            assert!(offered[..lost_at - 3].iter().any(|&plots| plots > 0), "{offered:?}");
+            assert!(offered[lost_at..].iter().all(|&plots| plots == 0), "{offered:?}");
         }
     }
 }

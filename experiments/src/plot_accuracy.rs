@@ -3,7 +3,9 @@
 //! Range, azimuth, elevation and range rate are uniform over many cells, so that straddling is as in life. For each kind
 //! of target and signal-to-noise ratio (at the centre of a cell, before straddling): whether it is detected, by how
 //! much its plot errs on each axis, and whether the error is as large as the plot says: the mean of
-//! (error/σ)² must lie in 0.9…1.1 (C6). `bias` and `rms` are in m, rad, rad and m/s.
+//! (error/σ)² must lie in 0.9…1.1 (C6). Two ways of asking: for targets of one strength, also if they are seen only when noise
+//! helps; and, as the tracker asks, for plots that state one strength, whatever the target's was (steady targets spread evenly over the
+//! volume). `bias` and `rms` are in m, rad, rad and m/s.
 //!
 //! Few beams and only the dwells about the target are simulated; what is left out holds noise.
 
@@ -17,7 +19,7 @@ use common::geometry::{Polar, range_rate_mps};
 use common::message::END_OF_STREAM;
 use common::plots::Plot;
 use common::random::{Purpose, generator};
-use common::units::from_db;
+use common::units::{from_db, to_db};
 use evaluation::poisson;
 use plot_extractor::PlotExtractor;
 use radar_sim::{DwellSimulator, fluctuation as simulated};
@@ -30,7 +32,7 @@ use crate::rows::LEVEL;
 use crate::{Case, Options, Progress, Results, Row};
 
 /// S at the centre of a cell, dB.
-const SNR_DB: [f64; 5] = [10.0, 15.0, 20.0, 25.0, 30.0];
+const SNR_DB: [f64; 6] = [10.0, 15.0, 20.0, 25.0, 30.0, 40.0];
 /// Axes with the factor and the unit in which figures show them.
 const AXES: [(&str, f64, &str); 4] = [
     ("range", 1.0, "m"),
@@ -38,6 +40,12 @@ const AXES: [(&str, f64, &str); 4] = [
     ("elevation", 180.0 / std::f64::consts::PI, "°"),
     ("range_rate", 1.0, "m/s"),
 ];
+/// Bins of the signal-to-noise ratio that a plot states, dB, for targets of all strengths.
+const STATED_DB: [[f64; 2]; 5] = [[0.0, 13.0], [13.0, 16.0], [16.0, 20.0], [20.0, 25.0], [25.0, 60.0]];
+/// Weakest and strongest of these targets, dB.
+const ALL_DB: [f64; 2] = [3.0, 40.0];
+/// How many of them there are for each target of given strength: most are too weak to be seen.
+const OF_ALL: u32 = 20;
 /// Mean normalised squared error that is required (C6).
 const REQUIRED: [f64; 2] = [0.9, 1.1];
 /// Elevation beams that are simulated.
@@ -52,6 +60,8 @@ const GATE_CELLS: f64 = 1.5;
 struct Sight {
     /// Errors of its plot and the plot's standard errors, if there is one.
     plot: Option<([f64; 4], [f64; 4])>,
+    /// The signal-to-noise ratio that it states, dB.
+    stated_db: f64,
     /// Plots that are not its own, or more than one of it.
     others: u32,
     /// Probability that a cell near it exceeds the threshold, given the power drawn (C4).
@@ -70,7 +80,7 @@ pub fn run(options: &Options, progress: &Progress) -> anyhow::Result<Results> {
         .into_iter()
         .flat_map(|swerling| options.some_of(&SNR_DB).into_iter().map(move |snr_db| (swerling, snr_db)))
         .collect();
-    progress.expect(u64::from(runs_of_each) * settings.len() as u64);
+    progress.expect(u64::from(runs_of_each) * (settings.len() as u64 + u64::from(OF_ALL)));
     let mut results = Results { runs: runs_of_each, ..Results::default() };
     let mut errors = Vec::new();
     for (index, &(swerling, snr_db)) in (0..).zip(&settings) {
@@ -88,6 +98,26 @@ pub fn run(options: &Options, progress: &Progress) -> anyhow::Result<Results> {
         }
     }
     results.remarks.extend(verdict(&errors));
+    progress.say("targets of all strengths".into());
+    let seed = generator(options.seed, Purpose::Measurement, settings.len() as u32, 0).next_u64();
+    let any = |run: u32| {
+        // p(S) ∝ S^(−7/4): spread evenly over the volume.
+        let mut rng = generator(seed, Purpose::Measurement, run, 0);
+        let tail = |db: f64| from_db(db).powf(-0.75);
+        let share: f64 = rng.random();
+        let snr_db = to_db((tail(ALL_DB[0]) + share * (tail(ALL_DB[1]) - tail(ALL_DB[0]))).powf(-4.0 / 3.0));
+        sight(seed, run, Swerling::Zero, snr_db)
+    };
+    let sights = runs(options.threads, OF_ALL * runs_of_each, progress, any);
+    let sights: Vec<Sight> = sights.into_iter().collect::<anyhow::Result<_>>()?;
+    for [from_db, to_db] in STATED_DB {
+        let within = |sight: &&Sight| sight.stated_db >= from_db && sight.stated_db < to_db;
+        let within: Vec<Sight> = sights.iter().filter(within).copied().collect();
+        let case = Case::new().with("swerling", "0").with("stated_from_db", from_db).with("stated_to_db", to_db);
+        for (axis, (name, _, _)) in AXES.into_iter().enumerate() {
+            results.rows.extend(axis_rows(&case.clone().with("axis", name), &within, axis));
+        }
+    }
     results.figures.push(figure(&errors));
     results.rows.extend(errors);
     Ok(results)
@@ -191,6 +221,7 @@ fn sight(seed: u64, run: u32, swerling: Swerling, snr_db: f64) -> anyhow::Result
     };
     Ok(Sight {
         plot: strongest.map(|plot| (error(plot), sigma(plot))),
+        stated_db: strongest.map_or(f64::NAN, |plot| f64::from(plot.snr_db)),
         others: (plots.len() - usize::from(strongest.is_some())) as u32,
         expected: detection_probability(&chain, &place, rate_mps, snr_db, power),
         expected_others: chain.extractor.pfa * f64::from(2 * DWELLS + 1) * simulator.cells() as f64,
@@ -290,7 +321,7 @@ fn figure(rows: &[Row]) -> Figure {
     };
     let panel = |metric: &str, axis: &str, factor: f64, y: Axis, background: Option<Series>| Panel {
         title: axis.replace('_', " "),
-        x: Axis::linear("signal-to-noise ratio / dB").between(8.0, 32.0),
+        x: Axis::linear("signal-to-noise ratio / dB").between(8.0, 42.0),
         y,
         series: background
             .into_iter()
@@ -300,7 +331,7 @@ fn figure(rows: &[Row]) -> Figure {
             }))
             .collect(),
     };
-    let required = || Shape::Band(vec![[8.0, REQUIRED[0], REQUIRED[1]], [32.0, REQUIRED[0], REQUIRED[1]]]);
+    let required = || Shape::Band(vec![[8.0, REQUIRED[0], REQUIRED[1]], [42.0, REQUIRED[0], REQUIRED[1]]]);
     let nees = AXES.map(|(axis, _, _)| {
         let band = Series::new("required", 2, required());
         panel("nees", axis, 1.0, Axis::log("mean (error/σ)²").between(0.5, 10.0), Some(band))

@@ -9,6 +9,7 @@ use std::hint::black_box;
 use common::config::ChainConfig;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use plot_extractor::PlotExtractor;
+use plot_extractor::centroid::{self, curvature};
 use plot_extractor::cfar::CaCfar;
 use radar_sim::DwellSimulator;
 
@@ -70,5 +71,18 @@ fn extract(criterion: &mut Criterion) {
     assert!(plots > 0, "the scenario has targets in these dwells");
 }
 
-criterion_group!(benches, extract);
+/// One axis of one plot.
+fn interpolate(criterion: &mut Criterion) {
+    let kappa = curvature(50.0, 70.0);
+    let power = |k: f64| 1.0 + 50.0 * (-kappa * (k - 0.2).powi(2)).exp();
+    let powers = [power(-1.0), power(0.0), power(1.0)];
+    criterion.bench_function("interpolate", |bencher| {
+        bencher.iter(|| {
+            let offset = centroid::interpolate(black_box(powers), kappa, 32);
+            assert!((offset.cells - 0.2).abs() < 0.5 * offset.sigma);
+        });
+    });
+}
+
+criterion_group!(benches, extract, interpolate);
 criterion_main!(benches);

@@ -127,6 +127,7 @@ impl PlotExtractor {
                 powers_before: vec![0.0; grid.cells()],
             });
         }
+        let noise_cells = 2 * self.config.reference_cells;
         let stages = self.stages.as_mut()?;
         std::mem::swap(&mut stages.powers, &mut stages.powers_before);
         self.hits.clear();
@@ -134,7 +135,7 @@ impl PlotExtractor {
             return Some(Reject::BadAmplitude);
         }
         stages.clustering.add(header.seq, &self.hits, &stages.powers, &stages.powers_before, &mut self.closed);
-        self.plots.extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, header, &self.radar)));
+        self.plots.extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, header, &self.radar, noise_cells)));
         self.sector.cells += amplitudes.len() as u64;
         self.sector.detections += self.hits.len() as u64;
         None
@@ -146,9 +147,11 @@ impl PlotExtractor {
         let Some(previous) = self.previous.filter(|previous| header.seq != previous.seq.saturating_add(1)) else {
             return;
         };
+        let noise_cells = 2 * self.config.reference_cells;
         if let Some(stages) = &mut self.stages {
             stages.clustering.close_all(&mut self.closed);
-            self.plots.extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &previous, &self.radar)));
+            self.plots
+                .extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &previous, &self.radar, noise_cells)));
         }
     }
 
@@ -159,11 +162,13 @@ impl PlotExtractor {
         publish: &mut impl FnMut(&PlotsHeader, &[Plot]) -> Result<(), E>,
     ) -> Result<(), E> {
         let Some(last) = self.sector.last.take() else { return Ok(()) };
+        let noise_cells = 2 * self.config.reference_cells;
         let mut covered_to_dwell = last.seq + 1;
         if let Some(stages) = &mut self.stages {
             if flags & END_OF_STREAM != 0 {
                 stages.clustering.close_all(&mut self.closed);
-                self.plots.extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &last, &self.radar)));
+                self.plots
+                    .extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &last, &self.radar, noise_cells)));
             }
             covered_to_dwell =
                 stages.clustering.oldest_open().map_or(covered_to_dwell, |dwell| dwell.min(covered_to_dwell));
@@ -246,7 +251,7 @@ fn check(header: &DwellHeader, length: usize) -> Option<Reject> {
 }
 
 /// The plot of a cluster (C6). `near` is a dwell not long after its peak, without a gap between.
-fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig) -> Plot {
+fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig, noise_cells: u32) -> Plot {
     let grid = CellGrid {
         elevations: near.elevations as usize,
         dopplers: near.dopplers as usize,
@@ -263,7 +268,7 @@ fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig) -> Plot {
     ];
     let cuts = [cluster.range, cluster.azimuth, cluster.elevation, cluster.doppler];
     let [range_offset, azimuth_offset, elevation_offset, doppler_offset] =
-        std::array::from_fn(|axis| interpolate(cuts[axis], curvatures[axis]));
+        std::array::from_fn(|axis| interpolate(cuts[axis], curvatures[axis], noise_cells));
 
     let dwells_ago = near.seq.saturating_sub(cluster.peak_dwell) as f64 - azimuth_offset.cells;
     let dwell_ns = near.scan_period_s / f64::from(near.dwells_per_scan) * NS_PER_S;

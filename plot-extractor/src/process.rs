@@ -7,6 +7,7 @@ use common::health::Rejected;
 use common::ipc::{Flow, Station, attend};
 use common::message::END_OF_STREAM;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
+use common::realtime;
 use common::services::{Consumer, Dwells, MAX_PLOTS, Plots, Topic};
 use common::time::monotonic_ns;
 
@@ -22,16 +23,17 @@ pub const NAME: &str = "plot-extractor";
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut extractor = PlotExtractor::new(&chain.extractor, &chain.radar);
+    let refused = realtime::take(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
     let publisher = station.publisher::<Plots>(MAX_PLOTS, &[Consumer::Tracker, Consumer::Recorder])?;
     let wake = station.wake(Topic::Dwells)?;
     let dwells = station.subscriber::<Dwells>()?;
     let session = new_session();
-    let mut reporter = HealthReporter::new(&station, NAME, session)?;
+    let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
     let mut rejected = Rejected::default();
     let mut plots_of_scan = 0;
 
-    attend(&[&wake], || -> anyhow::Result<Flow> {
+    attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
         while let Some(dwell) = dwells.receive()? {
             let received_ns = monotonic_ns();
             let header = dwell.header();

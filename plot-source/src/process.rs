@@ -7,6 +7,7 @@ use common::ipc::Station;
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::pace::Pace;
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
+use common::realtime;
 use common::services::{Consumer, MAX_PLOTS, MAX_TARGETS, Plots, Truth};
 use common::time::monotonic_ns;
 
@@ -23,11 +24,12 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut source = Source::open(&chain).map_err(|error| BadInput(error.to_string()))?;
     source.skip_to(chain.run.first_scan);
+    let refused = realtime::take(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
     let plots = station.publisher::<Plots>(MAX_PLOTS, &[Consumer::Tracker, Consumer::Recorder])?;
     let truth = station.publisher::<Truth>(MAX_TARGETS, &[Consumer::Recorder])?;
     let session = new_session();
-    let mut reporter = HealthReporter::new(&station, NAME, session)?;
+    let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
     if chain.run.first_scan == 0 {
         reporter.health.rejected = source.rejected().0; // of the whole file: said once, not at every restart
     }
@@ -39,7 +41,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     for scan in source {
         let mut truth_of_scan = scan.truth;
         for (mut header, elements) in scan.plots {
-            pace.wait_until(header.time_ns);
+            pace.wait_until(header.time_ns, || reporter.publish())?;
             header.session = session;
             header.lineage.published_before = reporter.health.messages_out;
             if stop_requested() {

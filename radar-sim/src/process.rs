@@ -7,6 +7,7 @@ use common::ipc::{Publisher, Station};
 use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM};
 use common::pace::Pace;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
+use common::realtime;
 use common::services::{Consumer, Dwells, MAX_TARGETS, Truth};
 use common::time::monotonic_ns;
 use common::truth::TruthHeader;
@@ -23,13 +24,14 @@ pub const NAME: &str = "radar-sim";
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut simulator = DwellSimulator::new(&chain).map_err(|error| common::process::BadInput(error.to_string()))?;
+    let refused = realtime::take(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
     let consumers = [Consumer::PlotExtractor, Consumer::Recorder];
     let consumers = if chain.recorder.dwells { &consumers[..] } else { &consumers[..1] };
     let dwells = station.publisher::<Dwells>(simulator.cells(), consumers)?;
     let truth = station.publisher::<Truth>(MAX_TARGETS, &[Consumer::Recorder])?;
     let session = new_session();
-    let mut reporter = HealthReporter::new(&station, NAME, session)?;
+    let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
     reporter.health.tracks = chain.sim.targets.len() as u32;
     reporter.publish()?;
     dwells.wait_for_consumers()?;
@@ -42,7 +44,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         for dwell in 0..chain.radar.dwells_per_scan {
             let mut header = simulator.header(scan, dwell);
             header.session = session;
-            pace.wait_until(header.time_ns);
+            pace.wait_until(header.time_ns, || reporter.publish())?;
             let last_of_scan = header.flags & END_OF_SCAN != 0;
             let done = last_of_scan && scans > 0 && scan + 1 >= scans;
             if done || (header.flags & END_OF_SECTOR != 0 && stop_requested()) {

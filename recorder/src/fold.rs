@@ -1,8 +1,12 @@
 //! Everything that a run's report says, folded from its messages.
 
+use std::fs::File;
+use std::time::Duration;
+
 use common::config::{ChainConfig, Mode};
 use common::health::{Intake, LatencySummary};
 use common::latency::LATENCIES;
+use common::latency_log::LatencyLog;
 use common::message::END_OF_SCAN;
 use common::recording::{Gap, RecordedRef};
 use common::report::{Report, SCHEMA};
@@ -10,6 +14,7 @@ use common::services::Topic;
 use common::tracks::TracksHeader;
 use common::units::{NS_PER_S, seconds_between};
 
+use crate::books::Books;
 use crate::latencies::Latencies;
 use crate::losses::{Losses, Missing};
 use crate::processes::Processes;
@@ -33,6 +38,7 @@ pub struct Files {
 pub struct Fold {
     config: ChainConfig,
     losses: Losses,
+    books: Books,
     latencies: Latencies,
     processes: Processes,
     scoring: Scoring,
@@ -46,13 +52,11 @@ pub struct Fold {
 impl Fold {
     /// Nothing seen yet of a run with `config`.
     pub fn new(config: &ChainConfig) -> Self {
-        let first_scan = u64::from(config.run.first_scan);
+        let (first_dwell, first_sector) = first_positions(config);
         Self {
             config: config.clone(),
-            losses: Losses::new(
-                first_scan * u64::from(config.radar.dwells_per_scan),
-                first_scan * u64::from(config.sectors_per_scan()),
-            ),
+            losses: Losses::new(first_dwell, first_sector),
+            books: Books::default(),
             latencies: Latencies::new(&config.budget),
             processes: Processes::default(),
             scoring: Scoring::new(config),
@@ -65,6 +69,7 @@ impl Fold {
     /// Takes the next message; `recorded_ns` is the processing time at which it was recorded, 0 for one from a file.
     /// Gives the messages that are missing before it and of which no recorded gap tells.
     pub fn take(&mut self, message: RecordedRef<'_>, recorded_ns: u64) -> Option<Gap> {
+        self.books.take(message);
         let Missing { gap, .. } = self.losses.take(message);
         match message {
             RecordedRef::Plots(header, plots) => {
@@ -95,13 +100,13 @@ impl Fold {
 
     /// What has been counted so far, for whoever goes on from here without the messages.
     pub fn counts(&self) -> String {
-        serde_json::to_string(&self.losses).unwrap_or_default()
+        serde_json::to_string(&(&self.losses, &self.books)).unwrap_or_default()
     }
 
     /// Goes on from [`Fold::counts`]; what is not such a text changes nothing.
     pub fn restore(&mut self, counts: &str) {
-        if let Ok(losses) = serde_json::from_str(counts) {
-            self.losses = losses;
+        if let Ok((losses, books)) = serde_json::from_str(counts) {
+            (self.losses, self.books) = (losses, books);
         }
     }
 
@@ -116,6 +121,16 @@ impl Fold {
             self.wall_ns = extend(self.wall_ns, stamps.source_out_ns, stamps.tracks_out_ns);
         }
         self.measured_ns = extend(self.measured_ns, header.time_ns, header.time_ns);
+    }
+
+    /// Writes latencies by interval to `log` from now on.
+    pub fn log_latencies(&mut self, log: LatencyLog<File>) {
+        self.latencies.log_to(log);
+    }
+
+    /// Closes the interval of the latencies' log if it is due.
+    pub fn close_interval_if_due(&mut self) {
+        self.latencies.close_interval(Duration::from_secs_f64(self.config.soak.interval_s));
     }
 
     /// Notes messages that were received but could not be written to the recording.
@@ -150,6 +165,8 @@ impl Fold {
 
     /// The report of everything taken, and of what became of it in files.
     pub fn finish(mut self, files: Files) -> Report {
+        let (first_dwell, first_sector) = first_positions(&self.config);
+        self.latencies.close_interval(Duration::ZERO);
         let (detection, tracking) = self.scoring.finish();
         let span_s = |span: Option<(u64, u64)>| span.map_or(0.0, |(first, last)| seconds_between(first, last));
         let wall_s = self.wall_ns.map_or(0.0, |(first, last)| (last - first) as f64 / NS_PER_S);
@@ -171,6 +188,9 @@ impl Fold {
             budget: self.latencies.budgets(),
             detection,
             tracking,
+            books: self.books.balance(&self.losses, first_dwell, first_sector),
+            misses: self.latencies.misses(),
+            soak: None,
             processes: self.processes.report(),
             recording: files.last,
             parts: files.parts,
@@ -179,4 +199,10 @@ impl Fold {
             config: Some(self.config),
         }
     }
+}
+
+/// Where the schedules of dwells and of sectors begin.
+fn first_positions(config: &ChainConfig) -> (u64, u64) {
+    let first_scan = u64::from(config.run.first_scan);
+    (first_scan * u64::from(config.radar.dwells_per_scan), first_scan * u64::from(config.sectors_per_scan()))
 }

@@ -1,13 +1,16 @@
 //! Latencies from the stamps of messages, and their budgets.
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::time::Duration;
 
-use common::config::BudgetConfig;
+use common::config::{Budget, BudgetConfig};
 use common::health::LatencySummary;
 use common::latency::{LATENCIES, LATENCY_NAMES, Latency, LatencyHistograms};
+use common::latency_log::LatencyLog;
 use common::message::END_OF_SCAN;
 use common::plots::PlotsHeader;
-use common::report::{BudgetResult, Percentiles};
+use common::report::{BudgetResult, LimitResult, MISSES_LISTED, Miss, Percentiles};
 use common::tracks::TracksHeader;
 
 /// The fold of stamps.
@@ -15,13 +18,52 @@ use common::tracks::TracksHeader;
 pub(crate) struct Latencies {
     histograms: LatencyHistograms,
     budgets: BudgetConfig,
-    /// Scans with a value above the limit, and the last of them plus one.
-    misses: [(u64, u64); LATENCIES],
+    misses: [Misses; LATENCIES],
+    log: Option<LatencyLog<File>>,
+}
+
+/// Scans in which one latency was above its limit.
+#[derive(Debug, Clone, Default)]
+struct Misses {
+    count: u64,
+    /// The first of them: scan and largest value, ns.
+    listed: Vec<(u32, u64)>,
+    /// The last of them.
+    last: Option<u32>,
+}
+
+impl Misses {
+    fn note(&mut self, scan: u32, took_ns: u64) {
+        if self.last != Some(scan) {
+            self.last = Some(scan);
+            self.count += 1;
+            if self.listed.len() < MISSES_LISTED {
+                self.listed.push((scan, took_ns));
+            }
+        } else if let Some((_, largest)) = self.listed.last_mut().filter(|(listed, _)| *listed == scan) {
+            *largest = took_ns.max(*largest);
+        }
+    }
 }
 
 impl Latencies {
     pub(crate) fn new(budgets: &BudgetConfig) -> Self {
-        Self { histograms: LatencyHistograms::default(), budgets: budgets.clone(), misses: [(0, 0); LATENCIES] }
+        let misses = std::array::from_fn(|_| Misses::default());
+        Self { histograms: LatencyHistograms::default(), budgets: budgets.clone(), misses, log: None }
+    }
+
+    /// Writes intervals to `log` from now on.
+    pub(crate) fn log_to(&mut self, log: LatencyLog<File>) {
+        self.log = Some(log);
+    }
+
+    /// Closes the interval of the log if it has lasted for `length`; a log that cannot be written ends, said once.
+    pub(crate) fn close_interval(&mut self, length: Duration) {
+        let Some(log) = self.log.as_mut().filter(|log| log.interval() >= length) else { return };
+        if let Err(error) = log.close_interval() {
+            tracing::warn!("the log of latencies ends here: {error}");
+            self.log = None;
+        }
     }
 
     /// Notes the way of a plots message so far.
@@ -45,48 +87,57 @@ impl Latencies {
 
     fn note(&mut self, latency: Latency, from_ns: u64, to_ns: u64, scan: u32) {
         self.histograms.record(latency, from_ns, to_ns);
+        if let Some(log) = &mut self.log {
+            log.record(latency, from_ns, to_ns);
+        }
         let limit_ns = self.budgets.all()[latency as usize].limit_us * 1000.0;
-        let (misses, last) = &mut self.misses[latency as usize];
-        let missed = from_ns != 0 && to_ns != 0 && to_ns.saturating_sub(from_ns) as f64 > limit_ns;
-        if missed && *last != u64::from(scan) + 1 {
-            *misses += 1;
-            *last = u64::from(scan) + 1;
+        let took_ns = to_ns.saturating_sub(from_ns);
+        if from_ns != 0 && to_ns != 0 && took_ns as f64 > limit_ns {
+            self.misses[latency as usize].note(scan, took_ns);
         }
     }
 
     /// Percentiles by name.
     pub(crate) fn percentiles(&self) -> BTreeMap<String, Percentiles> {
-        let percentiles = self.histograms.named().map(|(name, histogram)| {
-            let us = |quantile| {
-                if histogram.is_empty() { 0.0 } else { histogram.value_at_quantile(quantile) as f64 / 1000.0 }
-            };
-            let max = if histogram.is_empty() { 0.0 } else { histogram.max() as f64 / 1000.0 };
-            let n = histogram.len();
-            (name.to_string(), Percentiles { n, p50: us(0.5), p90: us(0.9), p99: us(0.99), p999: us(0.999), max })
-        });
-        percentiles.collect()
+        self.histograms.named().map(|(name, histogram)| (name.to_string(), Percentiles::of(histogram))).collect()
     }
 
     /// Budgets by name.
     pub(crate) fn budgets(&self) -> BTreeMap<String, BudgetResult> {
-        let named = LATENCY_NAMES.iter().zip(self.budgets.all()).zip(self.misses);
-        let results = named.zip(self.histograms.named()).map(|(((name, budget), (misses, _)), (_, histogram))| {
-            let value_us = histogram.value_at_quantile(budget.percentile / 100.0) as f64 / 1000.0;
-            let ok = histogram.is_empty() || value_us <= budget.limit_us;
-            let result = BudgetResult { limit_us: budget.limit_us, percentile: budget.percentile, misses, ok };
-            ((*name).to_string(), result)
+        let named = LATENCY_NAMES.iter().zip(self.budgets.all()).zip(&self.misses);
+        let results = named.zip(self.histograms.named()).map(|(((name, budget), misses), (_, histogram))| {
+            let limit = |(percentile, limit_us)| {
+                let value_us = histogram.value_at_quantile(percentile / 100.0) as f64 / 1000.0;
+                LimitResult { percentile, limit_us, value_us, ok: histogram.is_empty() || value_us <= limit_us }
+            };
+            let limits: Vec<LimitResult> = budget.limits().map(limit).collect();
+            let ok = limits.iter().all(|limit| limit.ok);
+            let Budget { limit_us, percentile, .. } = budget;
+            ((*name).to_string(), BudgetResult { limit_us, percentile, misses: misses.count, ok, limits })
         });
         results.collect()
+    }
+
+    /// The scans above a limit that are listed, by latency and scan.
+    pub(crate) fn misses(&self) -> Vec<Miss> {
+        let named = LATENCY_NAMES.iter().zip(self.budgets.all()).zip(&self.misses);
+        let listed = named.flat_map(|((name, budget), misses)| {
+            misses.listed.iter().map(move |&(scan, ns)| Miss {
+                scan,
+                latency: (*name).to_string(),
+                us: ns as f64 / 1000.0,
+                limit_us: budget.limit_us,
+            })
+        });
+        listed.collect()
     }
 
     /// For the health of the recorder.
     pub(crate) fn summaries(&self) -> [LatencySummary; LATENCIES] {
         let mut summaries = [LatencySummary::default(); LATENCIES];
-        for ((summary, (_, histogram)), (misses, _)) in
-            summaries.iter_mut().zip(self.histograms.named()).zip(self.misses)
-        {
+        for ((summary, (_, histogram)), misses) in summaries.iter_mut().zip(self.histograms.named()).zip(&self.misses) {
             let us = |quantile| histogram.value_at_quantile(quantile) as f32 / 1000.0;
-            *summary = LatencySummary { n: histogram.len(), p50_us: us(0.5), p99_us: us(0.99), misses };
+            *summary = LatencySummary { n: histogram.len(), p50_us: us(0.5), p99_us: us(0.99), misses: misses.count };
         }
         summaries
     }
@@ -111,6 +162,9 @@ mod tests {
         tracks(2, 9_000_000);
         let (budgets, percentiles) = (latencies.budgets(), latencies.percentiles());
         assert_eq!((budgets["track"].misses, budgets["track"].ok), (2, false));
+        let scans: Vec<_> = latencies.misses().iter().map(|miss| (miss.latency.clone(), miss.scan)).collect();
+        assert!(scans.contains(&("track".into(), 1)) && scans.contains(&("end_to_end".into(), 2)), "{scans:?}");
+        assert_eq!(scans.len(), 4);
         assert_eq!((percentiles["track"].n, percentiles["hop_plots"].n, percentiles["record"].n), (4, 0, 0));
         assert!((percentiles["end_to_end"].max - 9001.0).abs() < 10.0);
         assert!(budgets["hop_plots"].ok);

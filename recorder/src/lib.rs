@@ -8,6 +8,7 @@
 //! Everything is a fold over messages that keeps sums and a few seconds of context, never
 //! a run: live, over a recording, and over both when a recorder was restarted.
 
+mod books;
 pub mod diff;
 pub mod export;
 pub mod fold;

@@ -9,8 +9,10 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use common::config::ChainConfig;
 use common::ipc::{Flow, IpcError, Station, Subscriber, attend};
+use common::latency_log::LatencyLog;
 use common::message::END_OF_STREAM;
 use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, stop_requested};
+use common::realtime;
 use common::recording::container::{Entry, Reader};
 use common::recording::{Gap, RecordedRef, RecordingError};
 use common::services::{ALL_TOPICS, Dwells, HealthReports, Plots, Topic, Tracks, Truth};
@@ -34,17 +36,19 @@ const LAST_WORDS: Duration = Duration::from_millis(500);
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let session = new_session();
+    let refused = realtime::take(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
     // Subscribed first: what arrives while an earlier part is read waits in the queues.
     let inputs = Inputs::new(&station, &chain)?;
     let mut recorder = Recorder::new(&chain, session)?;
     let wakes = [station.wake(Topic::Tracks)?, station.wake(Topic::Plots)?, station.wake(Topic::Dwells)?];
     let wakes: Vec<_> = wakes.iter().take(if chain.recorder.dwells { 3 } else { 2 }).collect();
-    let mut reporter = HealthReporter::new(&station, NAME, session)?;
+    let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
 
-    attend(&wakes, || -> anyhow::Result<Flow> {
+    attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
         inputs.take_all(&mut recorder)?;
         recorder.keep_up();
+        recorder.fold.close_interval_if_due();
         let flow = recorder.flow(inputs.tracks.publishers());
         if flow == Flow::End || reporter.is_due() {
             recorder.describe(&mut reporter.health);
@@ -119,6 +123,11 @@ impl Recorder {
     fn new(chain: &ChainConfig, session: u64) -> anyhow::Result<Self> {
         let id = if chain.run.id.is_empty() { (session / 1_000_000_000).to_string() } else { chain.run.id.clone() };
         let mut fold = Fold::new(chain);
+        if !chain.soak.log.is_empty() {
+            let opened = File::options().create(true).append(true).open(&chain.soak.log).and_then(LatencyLog::begin);
+            let refuse = |error| BadInput(format!("log of latencies {}: {error}", chain.soak.log));
+            fold.log_latencies(opened.map_err(refuse)?);
+        }
         let mut recording = chain.recorder.record.then(|| Recording::new(chain, &id, session));
         if let Some(recording) = &mut recording {
             let earlier = recording.earlier_parts();

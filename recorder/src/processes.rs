@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use common::health::{Health, REJECT_NAMES, REJECTS};
+use common::health::{Health, REJECT_NAMES, REJECTS, Wish};
 use common::report::ProcessUse;
 use common::units::NS_PER_S;
 
@@ -23,6 +23,8 @@ struct Lives {
     restarts: u64,
     cpu_ns_before: u64,
     rejected_before: [u64; REJECTS],
+    silences_before: u64,
+    slow_steps_before: u64,
     rss_first: u64,
     rss_max: u64,
 }
@@ -34,6 +36,8 @@ impl Processes {
             restarts: 0,
             cpu_ns_before: 0,
             rejected_before: [0; REJECTS],
+            silences_before: 0,
+            slow_steps_before: 0,
             rss_first: health.rss_bytes,
             rss_max: 0,
         });
@@ -41,6 +45,8 @@ impl Processes {
             lives.restarts += 1;
             lives.cpu_ns_before += lives.now.cpu_ns;
             add(&mut lives.rejected_before, &lives.now.rejected);
+            lives.silences_before += u64::from(lives.now.silences);
+            lives.slow_steps_before += u64::from(lives.now.slow_steps);
         }
         // Reports of different sessions may overtake each other; an old life has nothing new to say.
         if health.session >= lives.now.session {
@@ -73,6 +79,10 @@ impl Processes {
                 rss_mib_max: mib(lives.rss_max),
                 restarts: lives.restarts,
                 rejected: named.map(|(name, count)| ((*name).to_string(), count)).collect(),
+                files: lives.now.files,
+                silences: lives.silences_before + u64::from(lives.now.silences),
+                slow_steps: lives.slow_steps_before + u64::from(lives.now.slow_steps),
+                refused: Wish::names(lives.now.refused).into_iter().map(String::from).collect(),
             }
         };
         self.by_name.iter().map(|(name, lives)| (name.clone(), used(lives))).collect()

@@ -8,6 +8,7 @@ use common::ipc::{Publisher, Station};
 use common::message::END_OF_STREAM;
 use common::pace::Pace;
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
+use common::realtime;
 use common::recording::Recorded;
 use common::services::{
     Consumer, Dwells, MAX_CELLS, MAX_PLOTS, MAX_TARGETS, MAX_TRACKS, Message, Plots, Tracks, Truth,
@@ -33,10 +34,11 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
 /// Recording or shared memory.
 pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     let playback = Playback::open(chain).map_err(|error| BadInput(error.to_string()))?;
+    let refused = realtime::take(chain.realtime.of(NAME));
     let station = Station::enter(NAME, chain)?;
     let ports = Ports::new(&station, chain)?;
     let session = new_session();
-    let mut reporter = HealthReporter::new(&station, NAME, session)?;
+    let mut reporter = HealthReporter::new(&station, chain, session, refused)?;
     reporter.publish()?;
     ports.wait_for_consumers()?;
 
@@ -47,7 +49,7 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
         let mut message = message.map_err(|error| BadInput(format!("{}: {error}", chain.replay.file)))?;
         let (drives, length) = (message.by_ref().topic() == driving, message.by_ref().len());
         if drives {
-            pace.wait_until(message.by_ref().time_ns());
+            pace.wait_until(message.by_ref().time_ns(), || reporter.publish())?;
         }
         let stop = if drives && stop_requested() { END_OF_STREAM } else { 0 };
         let (scan, flags) = match &mut message {

@@ -31,6 +31,10 @@ impl Bench {
         Self { folder: tempfile::tempdir().expect("temporary folder"), prefix }
     }
 
+    pub(crate) fn prefix(&self) -> &str {
+        &self.prefix
+    }
+
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -62,8 +66,12 @@ impl Bench {
 
     /// Starts the small radar.
     pub(crate) fn start(&self, arguments: &[&str]) -> Running {
-        let child = self
-            .command("run", &small_config())
+        self.start_with(arguments, |command| command)
+    }
+
+    /// Starts the small radar in an environment of its own.
+    pub(crate) fn start_with(&self, arguments: &[&str], prepare: impl FnOnce(&mut Command) -> &mut Command) -> Running {
+        let child = prepare(&mut self.command("run", &small_config()))
             .args(arguments)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -90,7 +98,11 @@ impl Bench {
     }
 
     pub(crate) fn report(&self) -> Report {
-        let text = std::fs::read_to_string(self.path("report.json")).expect("a report");
+        self.report_at("report.json")
+    }
+
+    pub(crate) fn report_at(&self, name: &str) -> Report {
+        let text = std::fs::read_to_string(self.path(name)).expect("a report");
         serde_json::from_str(&text).expect("a report of schema 1")
     }
 
@@ -102,12 +114,17 @@ impl Bench {
         files
     }
 
+    /// Folder of the domain.
+    pub(crate) fn root(&self) -> PathBuf {
+        self.path(&format!("radar-chain-{}", self.prefix))
+    }
+
     /// Files of the domain that are left.
     pub(crate) fn left_behind(&self) -> Vec<String> {
         let shared = std::fs::read_dir("/dev/shm").expect("shared memory");
         let names = shared.map(|entry| entry.expect("entry").file_name().to_string_lossy().into_owned());
         let mut left: Vec<String> = names.filter(|name| name.starts_with(&self.prefix)).collect();
-        let root = self.path(&format!("radar-chain-{}", self.prefix));
+        let root = self.root();
         left.extend(root.exists().then(|| root.display().to_string()));
         left
     }
@@ -121,6 +138,18 @@ pub(crate) struct Running {
 impl Running {
     pub(crate) fn pid(&self) -> u32 {
         self.child.as_ref().expect("running").id()
+    }
+
+    /// Kills the launcher alone.
+    pub(crate) fn kill(mut self) {
+        let mut child = self.child.take().expect("running");
+        child.kill().expect("killing the launcher");
+        child.wait().expect("its end");
+    }
+
+    /// Waits for the end.
+    pub(crate) fn end(mut self) -> Output {
+        self.child.take().expect("running").wait_with_output().expect("the end of the chain")
     }
 
     /// Asks it to stop and waits for the end.
@@ -167,6 +196,20 @@ pub(crate) fn text_of(output: &Output) -> String {
         String::from_utf8_lossy(&output.stdout),
         String::from_utf8_lossy(&output.stderr)
     )
+}
+
+/// The stages of a simulated chain.
+pub(crate) const STAGES: [&str; 4] = ["radar-sim", "plot-extractor", "tracker", "recorder"];
+
+/// Process identifiers of the stages, when all are there.
+pub(crate) fn pids(status: &Value) -> Option<[u32; 4]> {
+    let found: Vec<u32> = STAGES.iter().filter_map(|stage| Some(number(status, stage, "pid")? as u32)).collect();
+    found.try_into().ok()
+}
+
+/// The scan that the tracker is at.
+pub(crate) fn scan(status: &Value) -> Option<u64> {
+    number(status, "tracker", "scan")
 }
 
 /// A number in the status of a process.

@@ -21,6 +21,7 @@ use crate::gate::Radar;
 use crate::imm::Imm;
 use crate::measurement::{COORDINATES, Expected, Measurement};
 use crate::motion::{CONSTANT_VELOCITY, MODES};
+use crate::neighbours::Neighbours;
 use crate::track::{LiveTrack, Passage};
 
 /// Rivals that are taken into account at once: those that claim most.
@@ -215,24 +216,47 @@ fn keep_best_permutations(events: &mut Vec<Event>) {
     events.dedup_by(|next, kept| key(next) == key(kept));
 }
 
-/// The confirmed tracks that may want the same plots as track `index` in this turn, with what they expect of it.
-pub fn rivals_of<'a>(
-    index: usize,
-    tracks: &'a [LiveTrack],
-    radar: &Radar,
-) -> impl Iterator<Item = (&'a LiveTrack, &'a Passage)> {
-    let own = &tracks[index].next;
-    let reach_m = RIVAL_CELLS * radar.cell[0];
-    let centre = own.prediction.modes[CONSTANT_VELOCITY].position();
-    tracks.iter().enumerate().filter_map(move |(other, track)| {
-        if other == index || !track.life.is_confirmed() {
-            return None;
-        }
-        let expects = [&track.next, &track.last]
-            .into_iter()
-            .find(|passage| (passage.angle_rad - own.angle_rad).abs() < RIVAL_TURNS * TAU)?;
-        let position = expects.prediction.modes[CONSTANT_VELOCITY].position();
-        let square: f64 = (0..3).map(|axis| (position[axis] - centre[axis]).powi(2)).sum();
-        (square < reach_m * reach_m).then_some((track, expects))
-    })
+/// The confirmed tracks, by where they are and were expected.
+#[derive(Debug, Default)]
+pub struct Rivals(Neighbours);
+
+impl Rivals {
+    /// Takes the tracks as they are.
+    pub fn build(&mut self, tracks: &[LiveTrack], radar: &Radar) {
+        let confirmed = tracks.iter().zip(0..).filter(|(track, _)| track.life.is_confirmed());
+        let places = confirmed.flat_map(|(track, index): (_, u32)| {
+            [(place(&track.next), 2 * index), (place(&track.last), 2 * index + 1)]
+        });
+        self.0.build(RIVAL_CELLS * radar.cell[0], places);
+    }
+
+    /// The confirmed tracks that may want the same plots as track `index` in this turn, with what they expect of it.
+    pub fn of<'a>(
+        &'a self,
+        index: usize,
+        tracks: &'a [LiveTrack],
+        radar: &Radar,
+    ) -> impl Iterator<Item = (&'a LiveTrack, &'a Passage)> {
+        let own = &tracks[index].next;
+        let reach_m = RIVAL_CELLS * radar.cell[0];
+        let centre = place(own);
+        self.0.near(centre).filter_map(move |label| {
+            let other = label as usize / 2;
+            let track = &tracks[other];
+            if other == index {
+                return None;
+            }
+            let passages = [&track.next, &track.last];
+            let of_this_turn = |passage: &&Passage| (passage.angle_rad - own.angle_rad).abs() < RIVAL_TURNS * TAU;
+            let expects = passages.iter().position(of_this_turn).filter(|place| *place == label as usize % 2)?;
+            let expects = passages[expects];
+            let position = place(expects);
+            let square: f64 = (0..3).map(|axis| (position[axis] - centre[axis]).powi(2)).sum();
+            (square < reach_m * reach_m).then_some((track, expects))
+        })
+    }
+}
+
+fn place(passage: &Passage) -> [f64; 3] {
+    passage.prediction.modes[CONSTANT_VELOCITY].position()
 }

@@ -14,6 +14,7 @@
 //! tracker       all of it, one call per message
 //! batch         eight tracks at a time   (T2)-(T5), (T20)    group        update of several tracks by it
 //! plot_index    plots by azimuth and range
+//! neighbours    tracks by where they are
 //! ```
 //!
 //! Pure: no clock, file, shared memory or thread (but for [`replay`], which reads and writes). Formulas:
@@ -34,6 +35,7 @@ pub mod joint;
 pub mod life;
 pub mod measurement;
 pub mod motion;
+pub mod neighbours;
 pub mod plot_index;
 pub mod plot_store;
 pub mod process;

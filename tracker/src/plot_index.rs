@@ -31,40 +31,54 @@ pub struct Window {
     pub range_m: [f64; 2],
 }
 
+/// Where a plot lies.
+#[derive(Debug, Clone, Copy)]
+struct Key {
+    /// Its azimuth bin; once the extent of the ranges is known, its cell.
+    bin: u32,
+    range_m: f32,
+}
+
 /// Indices of plots by azimuth and range.
 #[derive(Debug, Clone, Default)]
 pub struct PlotIndex {
     /// Bins of azimuth, and of range.
     bins: [usize; 2],
-    nearest_m: f64,
+    nearest_m: f32,
     /// Bins per rad, and per m.
-    per_unit: [f64; 2],
+    per_rad: f64,
+    per_m: f32,
     /// Where each cell starts in `order`; one more than there are cells.
     starts: Vec<u32>,
     /// Plots by cell, and by their own order within it.
     order: Vec<u32>,
-    /// Cell of each plot.
-    cells: Vec<u32>,
+    /// Azimuth bin and range of each plot, and then its cell and range: all that sorting needs of the plots.
+    keys: Vec<Key>,
 }
 
 impl PlotIndex {
-    /// Sorts `plots` (at most 2³² − 1) in place of those before.
-    pub fn build(&mut self, plots: &[Measurement]) {
+    /// Sorts `plots` (at most 2³² − 1) in place of those before. They are looked at once.
+    pub fn build<'a>(&mut self, plots: impl ExactSizeIterator<Item = &'a Measurement>) {
         let side = ((plots.len() as f64).sqrt().ceil() as usize).clamp(1, MOST_BINS);
-        let (nearest, farthest) = plots
-            .iter()
-            .map(|plot| plot.polar[0])
-            .fold((f64::INFINITY, 0.0_f64), |(nearest, farthest), r| (nearest.min(r), farthest.max(r)));
-        let extent = (farthest - nearest).max(1.0);
         self.bins = [side; 2];
+        let per_rad = side as f64 / TAU;
+        self.per_rad = per_rad;
+        let (mut nearest, mut farthest) = (f32::INFINITY, 0.0_f32);
+        self.keys.clear();
+        self.keys.extend(plots.map(|plot| {
+            let range_m = plot.polar[0] as f32;
+            (nearest, farthest) = (nearest.min(range_m), farthest.max(range_m));
+            let row = ((angle::wrap(plot.polar[1]) * per_rad) as usize).min(side - 1);
+            Key { bin: row as u32, range_m }
+        }));
         self.nearest_m = nearest;
-        self.per_unit = [side as f64 / TAU, side as f64 / extent];
+        self.per_m = side as f32 / (farthest - nearest).max(1.0);
         self.starts.clear();
         self.starts.resize(side * side + 1, 0);
-        self.cells.clear();
-        for plot in plots {
-            let cell = self.azimuth_bin(angle::wrap(plot.polar[1])) * side + self.range_bin(plot.polar[0]);
-            self.cells.push(cell as u32);
+        for plot in 0..self.keys.len() {
+            let Key { bin, range_m } = self.keys[plot];
+            let cell = bin as usize * side + self.range_bin(range_m);
+            self.keys[plot].bin = cell as u32;
             self.starts[cell] += 1;
         }
         // Ends of the cells; filling from the back turns them into starts and keeps the order of plots.
@@ -74,9 +88,9 @@ impl PlotIndex {
             *start = end;
         }
         self.order.clear();
-        self.order.resize(plots.len(), 0);
-        for (plot, &cell) in self.cells.iter().enumerate().rev() {
-            let start = &mut self.starts[cell as usize];
+        self.order.resize(self.keys.len(), 0);
+        for (plot, key) in self.keys.iter().enumerate().rev() {
+            let start = &mut self.starts[key.bin as usize];
             *start -= 1;
             self.order[*start as usize] = plot as u32;
         }
@@ -95,11 +109,11 @@ impl PlotIndex {
             (0, rows)
         } else {
             // A turn ahead, so that the window's left end is not below zero and truncation is the floor.
-            let first = ((window.azimuth_rad - half + TAU) * self.per_unit[0]) as usize;
-            let last = ((window.azimuth_rad + half + TAU) * self.per_unit[0]) as usize;
+            let first = ((window.azimuth_rad - half + TAU) * self.per_rad) as usize;
+            let last = ((window.azimuth_rad + half + TAU) * self.per_rad) as usize;
             (first % rows, (last - first + 1).min(rows))
         };
-        let (nearest, farthest) = (self.range_bin(from_m - MARGIN), self.range_bin(to_m + MARGIN));
+        let (nearest, farthest) = (self.range_bin((from_m - MARGIN) as f32), self.range_bin((to_m + MARGIN) as f32));
         (0..count).map(move |step| {
             let row = if first + step < rows { first + step } else { first + step - rows };
             let cell = row * columns;
@@ -107,13 +121,9 @@ impl PlotIndex {
         })
     }
 
-    fn azimuth_bin(&self, azimuth_rad: f64) -> usize {
-        ((azimuth_rad * self.per_unit[0]) as usize).min(self.bins[0] - 1)
-    }
-
-    /// Ranges beyond the ends fall into the last bins.
-    fn range_bin(&self, range_m: f64) -> usize {
-        (((range_m - self.nearest_m) * self.per_unit[1]) as usize).min(self.bins[1].saturating_sub(1))
+    /// Ranges beyond the ends fall into the last bins. Rounding is monotonous, so no plot leaves its window.
+    fn range_bin(&self, range_m: f32) -> usize {
+        (((range_m - self.nearest_m) * self.per_m) as usize).min(self.bins[1].saturating_sub(1))
     }
 }
 
@@ -147,8 +157,8 @@ mod tests {
             let half_azimuth_rad = half * narrow;
             let window = Window { azimuth_rad, half_azimuth_rad, range_m: [from_m, from_m + length_m * narrow] };
             let mut index = PlotIndex::default();
-            index.build(&plots[..plots.len() / 2]); // the buffers are reused
-            index.build(&plots);
+            index.build(plots[..plots.len() / 2].iter()); // the buffers are reused
+            index.build(plots.iter());
             let mut found = vec![0; plots.len()];
             for &near in index.near(&window).flatten() {
                 found[near as usize] += 1;
@@ -166,7 +176,7 @@ mod tests {
         let plots: Vec<Measurement> =
             (0..10_000).map(|k| plot(1e3 + f64::from(k % 97), f64::from(k) * TAU / 1e4)).collect();
         let mut index = PlotIndex::default();
-        index.build(&plots);
+        index.build(plots.iter());
         let window = Window { azimuth_rad: 0.001, half_azimuth_rad: 0.01, range_m: [1010.0, 1012.0] };
         let near: Vec<u32> = index.near(&window).flatten().copied().collect();
         assert!(near.len() < 30 && near.iter().any(|&k| k > 9000) && near.iter().any(|&k| k < 1000), "{near:?}");

@@ -8,6 +8,7 @@ use common::ipc::{Flow, Station, attend};
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, TRUNCATED};
 use common::plots::PlotsHeader;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
+use common::realtime;
 use common::services::{Consumer, MAX_TRACKS, Plots, Topic, Tracks};
 use common::time::monotonic_ns;
 use common::tracks::{Track, TracksHeader};
@@ -24,17 +25,18 @@ pub const NAME: &str = "tracker";
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut tracker = Tracker::new(&chain.tracker, chain.run.first_track)?;
+    let refused = realtime::take(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
     let publisher = station.publisher::<Tracks>(MAX_TRACKS, &[Consumer::Recorder])?;
     let wake = station.wake(Topic::Plots)?;
     let plots = station.subscriber::<Plots>()?;
     let session = new_session();
-    let mut reporter = HealthReporter::new(&station, NAME, session)?;
+    let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
     let mut rejected = Rejected::default();
     let mut tracks = Vec::with_capacity(MAX_TRACKS);
     let mut plots_of_scan = 0;
 
-    attend(&[&wake], || -> anyhow::Result<Flow> {
+    attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
         while let Some(message) = plots.receive()? {
             let received_ns = monotonic_ns();
             let taken = tracker.take(message.header(), message.elements(), &mut tracks);

@@ -28,7 +28,7 @@ use crate::group::{Group, Member};
 use crate::hypotheses::{Hypotheses, Room};
 use crate::imm::transition;
 use crate::initiation::Reach;
-use crate::joint::{Sharing, rivals_of};
+use crate::joint::{Rivals, Sharing};
 use crate::life::Life;
 use crate::measurement::{COORDINATES, Measurement};
 use crate::motion::MODES;
@@ -89,6 +89,7 @@ pub struct Tracker {
     /// What the plots of the visits are worth among several tracks, reused.
     shares: Vec<f64>,
     sharing: Sharing,
+    rivals: Rivals,
     /// Whether tracks are updated in groups where that is possible.
     in_groups: bool,
     group: Group,
@@ -134,6 +135,7 @@ impl Tracker {
             visits: Vec::new(),
             shares: Vec::new(),
             sharing: Sharing::default(),
+            rivals: Rivals::default(),
             in_groups: true,
             group: Group::default(),
             workspaces: Default::default(),
@@ -290,15 +292,17 @@ impl Tracker {
 
     /// What the plots of each visit are worth among several tracks.
     fn share_out(&mut self, site: &Site) {
-        let Self { config, rules, plots, tracks, visits, shares, sharing, .. } = self;
+        let Self { config, rules, plots, tracks, visits, shares, sharing, rivals: index, .. } = self;
         shares.clear();
-        if !config.joint_association {
+        if !config.joint_association || visits.is_empty() {
             return;
         }
+        index.build(tracks, &site.radar);
         for visit in visits {
             let track = &tracks[visit.track];
             let own = site.claimant(config, track, &track.next);
-            let rivals = rivals_of(visit.track, tracks, &site.radar)
+            let rivals = index
+                .of(visit.track, tracks, &site.radar)
                 .map(|(rival, expects)| site.claimant(config, rival, expects));
             let clutter = |polar: &[f64; COORDINATES]| site.clutter.at(polar, visit.turn, None);
             let first = shares.len();

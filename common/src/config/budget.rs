@@ -5,19 +5,64 @@ use serde::{Deserialize, Serialize};
 use super::load::{ConfigError, positive, require};
 use crate::latency::{LATENCIES, LATENCY_NAMES};
 
-/// Limit of one latency.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// Limits of one latency.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Budget {
-    /// Limit, µs.
+    /// Limit, µs: a scan with a value above it is a miss.
     pub limit_us: f64,
     /// Percentile that must not lie above it, 0 to 100.
     pub percentile: f64,
+    /// Further limits, of the median, µs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p50_us: Option<f64>,
+    /// Of the 90th percentile, µs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p90_us: Option<f64>,
+    /// Of the 99th percentile, µs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p99_us: Option<f64>,
+    /// Of the 99.9th percentile, µs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p999_us: Option<f64>,
+}
+
+/// A budget as written: what is not named keeps its default.
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Written {
+    limit_us: Option<f64>,
+    percentile: Option<f64>,
+    p50_us: Option<f64>,
+    p90_us: Option<f64>,
+    p99_us: Option<f64>,
+    p999_us: Option<f64>,
+}
+
+impl Written {
+    fn over(self, default: Budget) -> Budget {
+        Budget {
+            limit_us: self.limit_us.unwrap_or(default.limit_us),
+            percentile: self.percentile.unwrap_or(default.percentile),
+            p50_us: self.p50_us.or(default.p50_us),
+            p90_us: self.p90_us.or(default.p90_us),
+            p99_us: self.p99_us.or(default.p99_us),
+            p999_us: self.p999_us.or(default.p999_us),
+        }
+    }
+}
+
+impl Budget {
+    /// All percentiles with their limits, µs.
+    pub fn limits(&self) -> impl Iterator<Item = (f64, f64)> {
+        let further = [(50.0, self.p50_us), (90.0, self.p90_us), (99.0, self.p99_us), (99.9, self.p999_us)];
+        let further = further.into_iter().filter_map(|(percentile, limit)| Some((percentile, limit?)));
+        std::iter::once((self.percentile, self.limit_us)).chain(further)
+    }
 }
 
 /// Limits of all latencies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(from = "WrittenBudgets")]
 pub struct BudgetConfig {
     /// Dwell published → extractor received it.
     pub hop_dwells: Budget,
@@ -35,9 +80,38 @@ pub struct BudgetConfig {
     pub record: Budget,
 }
 
+/// `[budget]` as written.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct WrittenBudgets {
+    hop_dwells: Written,
+    extract: Written,
+    hop_plots: Written,
+    track: Written,
+    end_to_end: Written,
+    scan: Written,
+    record: Written,
+}
+
+impl From<WrittenBudgets> for BudgetConfig {
+    fn from(written: WrittenBudgets) -> Self {
+        let default = Self::default();
+        Self {
+            hop_dwells: written.hop_dwells.over(default.hop_dwells),
+            extract: written.extract.over(default.extract),
+            hop_plots: written.hop_plots.over(default.hop_plots),
+            track: written.track.over(default.track),
+            end_to_end: written.end_to_end.over(default.end_to_end),
+            scan: written.scan.over(default.scan),
+            record: written.record.over(default.record),
+        }
+    }
+}
+
 impl Default for BudgetConfig {
     fn default() -> Self {
-        let p99 = |limit_us| Budget { limit_us, percentile: 99.0 };
+        let p99 =
+            |limit_us| Budget { limit_us, percentile: 99.0, p50_us: None, p90_us: None, p99_us: None, p999_us: None };
         Self {
             hop_dwells: p99(1000.0),
             extract: p99(1000.0),
@@ -62,7 +136,26 @@ impl BudgetConfig {
             let valid = budget.percentile > 0.0 && budget.percentile <= 100.0;
             let key = format!("budget.{name}.percentile");
             require(&key, budget.percentile, valid, "a percentile above 0, at most 100")?;
+            for (percentile, limit) in budget.limits().skip(1) {
+                let key = format!("budget.{name}.p{}_us", percentile.to_string().replace('.', ""));
+                positive(&key, limit)?;
+            }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_written_keeps_its_default() {
+        let config = |text: &str| toml::from_str::<BudgetConfig>(text).expect("valid");
+        let budget = config("[track]\np999_us = 7000.0\n[scan]\nlimit_us = 1.0").all();
+        let limits: Vec<_> = budget[3].limits().collect();
+        assert_eq!(limits, [(99.0, 2000.0), (99.9, 7000.0)]);
+        assert_eq!((budget[5].limit_us, budget[5].percentile), (1.0, 99.0));
+        assert!(toml::from_str::<BudgetConfig>("[track]\np98_us = 1.0").is_err());
     }
 }

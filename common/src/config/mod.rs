@@ -12,11 +12,13 @@ mod ipc;
 mod load;
 mod plot_source;
 mod radar;
+mod realtime;
 mod recorder;
 mod replay;
 mod run;
 mod sim;
 mod site;
+mod soak;
 mod supervision;
 mod tracker;
 
@@ -26,12 +28,14 @@ pub use ipc::IpcConfig;
 pub use load::{ConfigError, adjust, load, parse};
 pub use plot_source::*;
 pub use radar::{RadarConfig, RadarGrid};
+pub use realtime::{RealtimeConfig, Scheduling, StageRealtime, WaitStrategy};
 pub use recorder::{RecorderConfig, ScoringConfig};
 pub use replay::ReplayConfig;
 pub use run::{Mode, RunConfig, Source, Speed};
 pub use sim::{ClutterConfig, MotionConfig, SimConfig, Swerling, TargetConfig};
 pub use site::SiteConfig;
-pub use supervision::SupervisionConfig;
+pub use soak::{MetricsConfig, SoakConfig};
+pub use supervision::{SupervisionConfig, WatchdogConfig};
 pub use tracker::*;
 
 use serde::{Deserialize, Serialize};
@@ -64,6 +68,14 @@ pub struct ChainConfig {
     pub budget: BudgetConfig,
     /// `[supervision]`: what happens when a stage dies.
     pub supervision: SupervisionConfig,
+    /// `[watchdog]`: when a stage says that its input is silent or that it is slow.
+    pub watchdog: WatchdogConfig,
+    /// `[realtime]`: processors, priorities and memory of the stages.
+    pub realtime: RealtimeConfig,
+    /// `[soak]`: limits of a soak test.
+    pub soak: SoakConfig,
+    /// `[metrics]`: counters for Prometheus.
+    pub metrics: MetricsConfig,
 }
 
 impl ChainConfig {
@@ -80,7 +92,11 @@ impl ChainConfig {
         self.plot_source.check()?;
         self.replay.check()?;
         self.budget.check()?;
-        self.supervision.check()
+        self.supervision.check()?;
+        self.watchdog.check()?;
+        self.realtime.check()?;
+        self.soak.check()?;
+        self.metrics.check()
     }
 
     /// The configuration as TOML, complete: what `radar-chain config` prints.
@@ -100,6 +116,14 @@ impl ChainConfig {
     /// The source that the data is from: of a replay, that of the recorded run.
     pub fn origin(&self) -> Source {
         if self.run.source == Source::Replay { self.replay.of } else { self.run.source }
+    }
+
+    /// Length of a scan of whichever source is configured, measurement time, s.
+    pub fn scan_period_s(&self) -> f64 {
+        match self.origin() {
+            Source::RadarSim => self.radar.scan_period_s,
+            Source::PlotSource | Source::Replay => self.plot_source.scan_period_s,
+        }
     }
 
     /// Sectors in a scan of whichever source is configured.

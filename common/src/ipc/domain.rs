@@ -1,7 +1,10 @@
 //! A shared-memory domain: chains with different prefixes do not see each other.
 
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
+use iceoryx2::node::NodeView;
 use iceoryx2::prelude::*;
 
 use super::IpcError;
@@ -26,7 +29,7 @@ impl Domain {
     /// configuration, which iceoryx2 takes from a file.
     ///
     /// # Errors
-    /// [`IpcError::Domain`] if the folder or the file in it cannot be written.
+    /// [`IpcError::Domain`] if the folder or the file in it cannot be written, [`IpcError::OtherUser`].
     pub fn enter(ipc: &IpcConfig) -> Result<Self, IpcError> {
         let root = Self::root(ipc);
         let error =
@@ -40,6 +43,10 @@ impl Domain {
         config.global.set_root_path(&root_path);
 
         std::fs::create_dir_all(&root).map_err(|cause| error(cause.to_string()))?;
+        let owner = std::fs::metadata(&root).map_err(|cause| error(cause.to_string()))?.uid();
+        if owner != rustix::process::geteuid().as_raw() {
+            return Err(IpcError::OtherUser { prefix: ipc.prefix.clone(), owner });
+        }
         let file = root.join("iceoryx2.toml");
         let text = toml::to_string(&config).map_err(|cause| error(cause.to_string()))?;
         if std::fs::read_to_string(&file).is_ok_and(|present| present == text) {
@@ -75,14 +82,31 @@ impl Domain {
         clean_dead_nodes(&self.config);
     }
 
+    /// Living processes that use the domain: names and process identifiers.
+    pub fn inhabitants(&self) -> Vec<(String, u32)> {
+        let mut alive = Vec::new();
+        // The list breaks off when a dead process is cleaned up under it; nobody may be overlooked for that.
+        for _ in 0..LISTINGS {
+            alive.clear();
+            let listed = Node::<ipc::Service>::list(&self.config, |state| {
+                if let NodeState::Alive(node) = state
+                    && let Some(details) = node.details()
+                {
+                    alive.push((details.name().to_string(), details.process_id().value().cast_unsigned()));
+                }
+                CallbackProgression::Continue
+            });
+            if listed.is_ok() {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        alive
+    }
+
     /// Whether any living process uses the domain.
     pub fn is_alive(&self) -> bool {
-        let mut alive = false;
-        let _ = Node::<ipc::Service>::list(&self.config, |state| {
-            alive |= matches!(state, NodeState::Alive(_));
-            CallbackProgression::Continue
-        });
-        alive
+        !self.inhabitants().is_empty()
     }
 
     /// Removes every file of the domain. Only when no process uses it.
@@ -98,20 +122,63 @@ impl Domain {
         }
     }
 
+    /// Files of the domain that are there.
+    pub fn remains(ipc: &IpcConfig) -> Vec<String> {
+        let root = Self::root(ipc);
+        let mut files: Vec<String> = root.exists().then(|| root.display().to_string()).into_iter().collect();
+        let prefix = Self::file_prefix(&ipc.prefix);
+        let names = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+        let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        files.extend(names.filter(|name| name.starts_with(&prefix)));
+        files
+    }
+
+    /// Makes sure of every page of the domain's segments, this process's among them. Segments are sparse: a page that
+    /// cannot be had when it is first written ends a process by SIGBUS; here it is an error that can be told.
+    ///
+    /// # Errors
+    /// [`IpcError::SharedMemoryFull`].
+    pub(super) fn reserve(&self) -> Result<(), IpcError> {
+        let prefix = Self::file_prefix(&self.prefix);
+        let Ok(entries) = std::fs::read_dir(SHARED_MEMORY) else { return Ok(()) };
+        for entry in entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix)) {
+            // A segment may go while it is looked at.
+            let Ok(file) = std::fs::File::options().write(true).open(entry.path()) else { continue };
+            let Ok(metadata) = file.metadata() else { continue };
+            let held = metadata.blocks() * 512;
+            if held >= metadata.len() {
+                continue;
+            }
+            let reserved = rustix::fs::fallocate(&file, rustix::fs::FallocateFlags::KEEP_SIZE, 0, metadata.len());
+            if reserved == Err(rustix::io::Errno::NOSPC) {
+                let free_mib = free_bytes().unwrap_or(0) >> 20;
+                return Err(IpcError::SharedMemoryTooSmall {
+                    free_mib,
+                    needed_mib: ((metadata.len() - held) >> 20) + 1,
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// Compares free shared memory with what `chain` needs at most. To be asked before
     /// anything is created: writing to a page that is not there ends a process by SIGBUS.
     ///
     /// # Errors
     /// [`IpcError::SharedMemoryTooSmall`].
     pub fn check_shared_memory(chain: &ChainConfig) -> Result<(), IpcError> {
-        let Ok(space) = rustix::fs::statvfs(SHARED_MEMORY) else { return Ok(()) };
-        let free = space.f_bavail * space.f_frsize;
+        let Some(free) = free_bytes() else { return Ok(()) };
         let needed = shared_memory_needed(chain);
         if free >= needed {
             return Ok(());
         }
         Err(IpcError::SharedMemoryTooSmall { free_mib: free >> 20, needed_mib: (needed >> 20) + 1 })
     }
+}
+
+/// Free shared memory, bytes, where the system says.
+pub fn free_bytes() -> Option<u64> {
+    rustix::fs::statvfs(SHARED_MEMORY).ok().map(|space| space.f_bavail * space.f_frsize)
 }
 
 /// Shared memory that all publishers of `chain` can fill at most, bytes.
@@ -131,6 +198,8 @@ pub fn shared_memory_needed(chain: &ChainConfig) -> u64 {
         + MANAGEMENT
 }
 
+/// How often the processes of a domain are listed until that succeeds.
+const LISTINGS: u32 = 100;
 /// Room for the ports' own queues and lists, bytes.
 const MANAGEMENT: u64 = 4 << 20;
 /// Processes that publish their health.

@@ -4,21 +4,24 @@
 //! - [`Station`]: a process in the domain; opens the ports of its site.
 //! - [`Publisher`], [`Subscriber`]: one topic each, with the mode's queue policy and
 //!   with losses counted from sequence numbers.
+//! - [`HopSender`], [`HopReceiver`]: the bare hop that ours are compared with.
 //! - [`attend`]: sleep until something arrives or 100 ms have passed.
 
 mod domain;
+mod hop;
 mod intake;
 mod publisher;
 mod station;
 mod subscriber;
 mod wait;
 
-pub use domain::{Domain, shared_memory_needed};
+pub use domain::{Domain, free_bytes, shared_memory_needed};
+pub use hop::{HopReceiver, HopSender};
 pub use intake::count_intake;
 pub use publisher::Publisher;
 pub use station::{Keeper, Station};
 pub use subscriber::{Received, Subscriber};
-pub use wait::{Flow, Wake, attend};
+pub use wait::{Flow, Wake, Watchdog, attend};
 
 /// Why a port or service is not to be had. The process cannot work without: exit code 3.
 #[derive(Debug, thiserror::Error)]
@@ -62,6 +65,22 @@ pub enum IpcError {
         free_mib: u64,
         /// Needed at most, MiB.
         needed_mib: u64,
+    },
+    /// /dev/shm has been filled by others since the chain was started.
+    #[error("/dev/shm has {free_mib} MiB left, {needed_mib} MiB are missing for a segment: something fills it")]
+    SharedMemoryFull {
+        /// Free, MiB.
+        free_mib: u64,
+        /// Missing, MiB.
+        needed_mib: u64,
+    },
+    /// The domain belongs to another user: what this one makes in it, the others cannot open.
+    #[error("shared-memory domain `{prefix}` belongs to user {owner}: run this as that user (runuser -u … --)")]
+    OtherUser {
+        /// Prefix of the domain.
+        prefix: String,
+        /// User identifier of the owner.
+        owner: u32,
     },
     /// The user asked to stop while a message waited for room.
     #[error("stopped while waiting for the consumers of `{topic}`")]

@@ -1,7 +1,8 @@
 //! Publishing one topic.
 
 use std::cell::Cell;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use iceoryx2::port::BackpressureAction;
@@ -42,6 +43,8 @@ pub struct Publisher<M: Message> {
     /// connects to the publishers there are as it is created.
     awaited: Cell<u32>,
     started: Cell<bool>,
+    /// The message being sent has met a full queue.
+    blocked: Arc<AtomicBool>,
 }
 
 fn bit(consumer: Consumer) -> u32 {
@@ -65,12 +68,15 @@ impl<M: Message> Publisher<M> {
             .initial_max_slice_len(max_elements)
             .allocation_strategy(AllocationStrategy::Static)
             .max_loaned_samples(LOANED);
+        let blocked = Arc::new(AtomicBool::new(false));
         let builder = match mode {
             Mode::RealTime => builder.backpressure_strategy(BackpressureStrategy::DiscardData),
             Mode::Lossless => {
                 let (config, cleaned_ms) = (domain.config().clone(), AtomicU64::new(0));
+                let blocked = Arc::clone(&blocked);
                 builder.backpressure_strategy(BackpressureStrategy::RetryUntilDelivered).set_backpressure_handler(
                     move |info| {
+                        blocked.store(true, Ordering::Relaxed);
                         let waited_ms = info.elapsed_time.as_millis() as u64;
                         let last_ms = cleaned_ms.load(Ordering::Relaxed);
                         if waited_ms < last_ms {
@@ -78,6 +84,7 @@ impl<M: Message> Publisher<M> {
                         } else if waited_ms >= last_ms + CLEAN_INTERVAL_MS {
                             cleaned_ms.store(waited_ms, Ordering::Relaxed);
                             clean_dead_nodes(&config);
+                            process::say_waiting();
                         }
                         BackpressureAction::Retry
                     },
@@ -95,7 +102,9 @@ impl<M: Message> Publisher<M> {
             consumers,
             awaited: Cell::new(consumers),
             started: Cell::new(false),
+            blocked,
         };
+        domain.reserve()?;
         this.wake(); // consumers look for a new publisher when they are woken
         Ok(this)
     }
@@ -115,7 +124,11 @@ impl<M: Message> Publisher<M> {
         let mut sample = self.port.loan_slice(length).map_err(|cause| Self::failed(&cause))?;
         let header = write(sample.payload_mut());
         *sample.user_header_mut() = header;
+        let began = Instant::now();
         sample.send().map_err(|cause| Self::failed(&cause))?;
+        if self.blocked.swap(false, Ordering::Relaxed) {
+            process::note_waiting(began.elapsed());
+        }
         self.wake();
         Ok(())
     }
@@ -136,7 +149,11 @@ impl<M: Message> Publisher<M> {
         let place = sample.user_header_mut();
         *place = *header;
         stamp(place);
+        let began = Instant::now();
         sample.send().map_err(|cause| Self::failed(&cause))?;
+        if self.blocked.swap(false, Ordering::Relaxed) {
+            process::note_waiting(began.elapsed());
+        }
         self.wake();
         Ok(())
     }
@@ -167,6 +184,7 @@ impl<M: Message> Publisher<M> {
             if cleaned.elapsed() > Duration::from_millis(CLEAN_INTERVAL_MS) {
                 cleaned = Instant::now();
                 self.domain.clean_dead_nodes();
+                process::say_waiting();
             }
             if !told && began.elapsed() > Duration::from_secs(2) {
                 told = true;
@@ -175,6 +193,7 @@ impl<M: Message> Publisher<M> {
             std::thread::sleep(Duration::from_millis(1));
         }
         self.started.set(true);
+        process::note_waiting(began.elapsed());
         Ok(())
     }
 

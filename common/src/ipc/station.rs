@@ -4,12 +4,14 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::{event, publish_subscribe};
 
 use super::domain::{BORROWED, Domain};
+use super::hop::Sent;
 use super::{IpcError, Publisher, Subscriber, Wake};
 use crate::config::{ChainConfig, Mode};
 use crate::services::{ALL_TOPICS, Consumer, Dwells, HealthReports, Message, Plots, Topic, Tracks, Truth};
 
 pub(super) type Ipc = ipc::Service;
 pub(super) type DataService<M> = publish_subscribe::PortFactory<Ipc, [<M as Message>::Element], <M as Message>::Header>;
+pub(super) type HopService = publish_subscribe::PortFactory<Ipc, [f32], Sent>;
 pub(super) type EventService = event::PortFactory<Ipc>;
 
 /// One process at one site of a domain.
@@ -64,6 +66,11 @@ impl Station {
         &self.domain
     }
 
+    /// Name of this process.
+    pub fn process(&self) -> &str {
+        &self.process
+    }
+
     /// Creates every service of the site and holds it open.
     ///
     /// # Errors
@@ -105,6 +112,17 @@ impl Station {
     /// [`IpcError`].
     pub fn wake(&self, topic: Topic) -> Result<Wake, IpcError> {
         Wake::new(&self.event(&self.service_name(topic))?, topic)
+    }
+
+    /// Services of the bare hop `name`.
+    pub(super) fn hop(&self, name: &str) -> Result<(HopService, EventService), IpcError> {
+        let service = format!("radar/{}/hop/{name}", self.site);
+        let error =
+            |reason: String| IpcError::Service { service: service.clone(), schema: "hop/1", mode: "real-time", reason };
+        let name = ServiceName::new(&service).map_err(|cause| error(format!("{cause:?}")))?;
+        let builder = self.node.service_builder(&name).publish_subscribe::<[f32]>().user_header::<Sent>();
+        let data = builder.max_nodes(MAX_NODES).open_or_create();
+        Ok((data.map_err(|cause| error(format!("{cause:?}")))?, self.event(&service)?))
     }
 
     /// Health reports are never waited for, whatever the mode of the chain.

@@ -62,15 +62,19 @@ impl<M: Message> Subscriber<M> {
     /// # Errors
     /// [`IpcError::Port`].
     pub fn receive(&self) -> Result<Option<Received<M>>, IpcError> {
-        let publishers = self.publisher_ids();
-        let Some(sample) = self.port.receive().map_err(|cause| Self::failed(&cause))? else {
+        let mut received = self.port.receive().map_err(|cause| Self::failed(&cause))?;
+        if received.is_none() {
+            let publishers = self.publisher_ids();
             if publishers != self.known_publishers.get() {
-                // `receive` has connected to them: now a full queue of theirs waits instead of losing.
-                self.known_publishers.set(publishers);
-                let _ = self.ready.notify();
+                // This call connects to all of them: from now on a full queue of theirs waits instead of losing.
+                received = self.port.receive().map_err(|cause| Self::failed(&cause))?;
+                if received.is_none() {
+                    self.known_publishers.set(publishers);
+                    let _ = self.ready.notify();
+                }
             }
-            return Ok(None);
-        };
+        }
+        let Some(sample) = received else { return Ok(None) };
         let (session, seq) = M::place(sample.user_header());
         let mut last_session = self.session.get();
         let missing = count_intake(&mut self.intake.borrow_mut(), &mut last_session, session, seq);

@@ -1,16 +1,23 @@
-//! Sleeping until there is something to do.
+//! Waiting until there is something to do, and noticing when that takes too long.
 
-use std::time::Duration;
+use std::cell::Cell;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::Listener;
 use iceoryx2::prelude::*;
 
 use super::IpcError;
 use super::station::{EventService, Ipc};
+use crate::config::{ChainConfig, WaitStrategy};
+use crate::health::{Condition, Health};
+use crate::process;
 use crate::services::Topic;
 
 /// Longest sleep: the stop flag and the health report are looked after this often.
 const TICK: Duration = Duration::from_millis(100);
+/// Looks between two emptyings of the event queues by a process that polls.
+const LOOKS: u32 = 4096;
 
 /// Is woken by the messages of one topic.
 #[derive(Debug)]
@@ -28,23 +35,120 @@ impl Wake {
         })?;
         Ok(Self { listener, topic })
     }
+
+    fn drain(&self) {
+        let _ = self.listener.try_wait(|_| {});
+    }
 }
 
 /// What a step of a process asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flow {
-    /// Sleep until something arrives.
+    /// Wait until something arrives.
     Wait,
     /// The process has done its work.
     End,
 }
 
+/// Tells a silent upstream from own slowness: input that stays away for longer than
+/// `watchdog.silence_s`, a step that takes longer than `watchdog.slow_s`. Clones share what they know.
+#[derive(Debug, Clone)]
+pub struct Watchdog(Rc<Watch>);
+
+#[derive(Debug)]
+struct Watch {
+    silence: Duration,
+    slow: Duration,
+    wait: WaitStrategy,
+    heard: Cell<Instant>,
+    condition: Cell<Condition>,
+    silences: Cell<u32>,
+    slow_steps: Cell<u32>,
+}
+
+impl Watchdog {
+    /// The watchdog of the process with this name.
+    pub fn new(chain: &ChainConfig, process: &str) -> Self {
+        Self(Rc::new(Watch {
+            silence: Duration::from_secs_f64(chain.watchdog.silence_s),
+            slow: Duration::from_secs_f64(chain.watchdog.slow_s),
+            wait: chain.realtime.of(process).wait,
+            heard: Cell::new(Instant::now()),
+            condition: Cell::default(),
+            silences: Cell::default(),
+            slow_steps: Cell::default(),
+        }))
+    }
+
+    /// Writes what it knows into a health report.
+    pub fn describe(&self, health: &mut Health) {
+        health.condition = self.0.condition.get() as u32;
+        health.silences = self.0.silences.get();
+        health.slow_steps = self.0.slow_steps.get();
+    }
+
+    /// Input has arrived.
+    fn input(&self) {
+        self.0.heard.set(Instant::now());
+        if self.0.condition.get() == Condition::UpstreamSilent {
+            tracing::info!("input comes again");
+            self.0.condition.set(Condition::Fine);
+        }
+    }
+
+    /// Nothing has come on one topic for the time allowed; on others there may have.
+    fn missed(&self) {
+        if self.0.heard.get().elapsed() < self.0.silence {
+            return;
+        }
+        if self.0.condition.replace(Condition::UpstreamSilent) != Condition::UpstreamSilent {
+            self.0.silences.set(self.0.silences.get() + 1);
+            tracing::warn!("upstream silent: no input for {:?}", self.0.silence);
+        }
+    }
+
+    /// A step took this long.
+    fn step(&self, took: Duration) {
+        if took > self.0.slow {
+            self.0.slow_steps.set(self.0.slow_steps.get() + 1);
+            if self.0.condition.replace(Condition::Slow) != Condition::Slow {
+                tracing::warn!("slow: one step took {took:?}, allowed are {:?}", self.0.slow);
+            }
+        } else if self.0.condition.get() == Condition::Slow {
+            self.0.condition.set(Condition::Fine);
+        }
+    }
+}
+
 /// Calls `step` whenever a message has arrived on one of the topics, a signal has come
 /// or 100 ms have passed, until it returns [`Flow::End`]. `step` must take **all** waiting messages.
+/// With [`WaitStrategy::Poll`] it is called all the time.
 ///
 /// # Errors
 /// [`IpcError::Port`] if waiting is impossible; the errors of `step`.
-pub fn attend<E: From<IpcError>>(wakes: &[&Wake], mut step: impl FnMut() -> Result<Flow, E>) -> Result<(), E> {
+pub fn attend<E: From<IpcError>>(
+    wakes: &[&Wake],
+    watchdog: &Watchdog,
+    mut step: impl FnMut() -> Result<Flow, E>,
+) -> Result<(), E> {
+    let mut timed_step = || {
+        let (began, waited) = (Instant::now(), process::waited());
+        let flow = step();
+        // What it waited for its consumers is not its own slowness.
+        watchdog.step(began.elapsed().saturating_sub(process::waited().saturating_sub(waited)));
+        flow
+    };
+    match watchdog.0.wait {
+        WaitStrategy::Sleep => sleep_until_woken(wakes, watchdog, &mut timed_step),
+        WaitStrategy::Poll => poll(wakes, watchdog, &mut timed_step),
+    }
+}
+
+fn sleep_until_woken<E: From<IpcError>>(
+    wakes: &[&Wake],
+    watchdog: &Watchdog,
+    step: &mut impl FnMut() -> Result<Flow, E>,
+) -> Result<(), E> {
     let failed = |topic: &'static str, cause: &dyn std::fmt::Debug| IpcError::Port {
         port: "wait set",
         topic,
@@ -56,7 +160,8 @@ pub fn attend<E: From<IpcError>>(wakes: &[&Wake], mut step: impl FnMut() -> Resu
         .map_err(|cause| failed("all", &cause))?;
     let mut guards = Vec::with_capacity(wakes.len());
     for wake in wakes {
-        guards.push(wait_set.attach_notification(&wake.listener).map_err(|cause| failed(wake.topic.name(), &cause))?);
+        let guard = wait_set.attach_deadline(&wake.listener, watchdog.0.silence);
+        guards.push(guard.map_err(|cause| failed(wake.topic.name(), &cause))?);
     }
     loop {
         if step()? == Flow::End {
@@ -64,13 +169,45 @@ pub fn attend<E: From<IpcError>>(wakes: &[&Wake], mut step: impl FnMut() -> Resu
         }
         // Its result only tells signals apart, which `step` sees by the stop flag.
         let _ = wait_set.wait_and_process_once_with_timeout(
-            |_| {
-                for wake in wakes {
-                    let _ = wake.listener.try_wait(|_| {});
+            |event| {
+                if guards.iter().any(|guard| event.has_missed_deadline(guard)) {
+                    watchdog.missed();
+                } else {
+                    watchdog.input();
+                    for wake in wakes {
+                        wake.drain();
+                    }
                 }
                 CallbackProgression::Continue
             },
             TICK,
         );
+    }
+}
+
+fn poll<E: From<IpcError>>(
+    wakes: &[&Wake],
+    watchdog: &Watchdog,
+    step: &mut impl FnMut() -> Result<Flow, E>,
+) -> Result<(), E> {
+    let mut looks = 0;
+    loop {
+        if step()? == Flow::End {
+            return Ok(());
+        }
+        looks += 1;
+        if looks == LOOKS {
+            looks = 0;
+            let mut events = 0;
+            for wake in wakes {
+                let _ = wake.listener.try_wait(|_| events += 1);
+            }
+            if events > 0 {
+                watchdog.input();
+            } else {
+                watchdog.missed();
+            }
+        }
+        std::hint::spin_loop();
     }
 }

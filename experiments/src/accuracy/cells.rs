@@ -80,8 +80,7 @@ pub(super) fn run(options: &Options, progress: &Progress) -> anyhow::Result<Resu
     }
     results.remarks.push(
         "Cells against drawn plots: (1) the extractor interpolates between cells, so that plots err less than a position that is \
-         uniform in its cell (C1), as the drawn ones do: estimates are better, most so of a steady target. It states still smaller \
-         errors at this SNR (`plot-accuracy` at 15 dB), and the tracker believes it: a NEES above 3 through cells comes with that. \
+         uniform in its cell (C1), as the drawn ones do: estimates are better, most so of a steady target. Both state their errors: the NEES agree. \
          (2) 16 dB hold at the centre of a cell: between cells up to some dB are lost, though neighbours have a chance of \
          their own; pd differs by the balance of the two, and a false plot within 1.5 cells counts as the target's. (3) The beam \
          passes 0.1 to 0.25 s after the start of the turn, so that manoeuvres begin between scans. (4) Through cells only confirmed \

@@ -2,7 +2,7 @@
 //!
 //! One track, begun on two plots of its target, for 50 scans ([`crate::follow`]). `p_loss` is the source's measure: the target's
 //! measured place, detected or not, outside the gate in use in three scans running, or more than 2000 false plots expected in the
-//! gate, where the source gives the track up and from then on only predicts. `mean_time_scans` are the scans until then, 50 if that
+//! gate; there the source gives the track up, and from then on only predicts. `mean_time_scans` are the scans until then, 50 if that
 //! never comes. `p_error150` does not depend on gates: a position error of more than 150 m in three scans running.
 //!
 //! ```text

@@ -7,7 +7,7 @@ use crate::motion::MODES;
 use crate::plot_index::{PlotIndex, Window};
 
 use common::angle;
-use common::units::seconds_between;
+use common::units::{NS_PER_S, seconds_between};
 use std::f64::consts::FRAC_PI_2;
 
 use super::block::Block;
@@ -69,7 +69,8 @@ pub struct Bank {
     blocks: Vec<Block>,
     len: usize,
     index: PlotIndex,
-    seen: Vec<Seen>,
+    /// The block at hand: read from memory in one go, which its parts in the order of the formulas are not.
+    here: Box<Block>,
     forecast: Forecast,
     candidates: Candidates,
     weights: Weights,
@@ -84,7 +85,7 @@ impl Bank {
             blocks: Vec::new(),
             len: 0,
             index: PlotIndex::default(),
-            seen: Vec::new(),
+            here: Box::default(),
             forecast: Forecast::default(),
             candidates: Candidates::default(),
             weights: Weights::default(),
@@ -127,18 +128,16 @@ impl Bank {
         mut offer: impl FnMut(usize, f64) -> Offer,
         mut passed: impl FnMut(Passed<'_>),
     ) {
-        let Self { kernel, blocks, len, index, seen, forecast, candidates, weights, chosen } = self;
-        index.build(scan.plots);
-        let square_alpha = kernel.alpha * kernel.alpha;
-        seen.clear();
-        seen.extend(scan.plots.iter().map(|plot| Seen::new(plot, scan.time_ns, square_alpha)));
-        let reach = Reach::of(seen, kernel.alpha);
+        let Self { kernel, blocks, len, index, here, forecast, candidates, weights, chosen } = self;
+        let mut reach = Reach::new(kernel.alpha, scan.time_ns);
+        index.build(scan.plots.iter().inspect(|plot| reach.widen(plot)));
         let step = Step::splat(scan.dt_s, scan.transition);
         let own = own_probability(kernel.alpha, kernel.radar.dimensions());
         for (number, block) in blocks.iter_mut().enumerate() {
             let first = number * LANES;
             let lanes = LANES.min(*len - first);
-            kernel.predict(block, &step, forecast);
+            **here = *block;
+            kernel.predict(here, &step, forecast);
             candidates.clear();
             for lane in 0..lanes {
                 let offer = offer(first + lane, forecast.cells(lane));
@@ -146,9 +145,13 @@ impl Bank {
                 let gates = Gates::new(forecast, lane, &reach);
                 chosen[lane].clear();
                 for &near in index.near(&gates.window).flatten() {
-                    let plot = &seen[near as usize];
-                    if plot.power >= offer.threshold && gates.hold(plot) {
-                        candidates.add(lane, &scan.plots[near as usize], plot.offset_s, scan.gains[near as usize]);
+                    let plot = &scan.plots[near as usize];
+                    if plot.power < offer.threshold {
+                        continue;
+                    }
+                    let offset_s = seconds_between(scan.time_ns, plot.time_ns);
+                    if gates.hold(plot, offset_s, &reach) {
+                        candidates.add(lane, plot, offset_s, scan.gains[near as usize]);
                         chosen[lane].push(near);
                     }
                 }
@@ -159,54 +162,33 @@ impl Bank {
     }
 }
 
-/// A plot as gates look at it.
-#[derive(Debug, Clone, Copy)]
-struct Seen {
-    /// (r, β, ε, ṙ).
-    polar: [f64; COORDINATES],
-    /// α² σ²; ∞ where not measured, which no gate then refuses.
-    square: [f64; COORDINATES],
-    /// Its time minus the scan's, s.
-    offset_s: f64,
-    /// q.
-    power: f64,
-}
-
-impl Seen {
-    fn new(plot: &Measurement, time_ns: u64, square_alpha: f64) -> Self {
-        Self {
-            polar: plot.polar,
-            square: std::array::from_fn(
-                |i| {
-                    if plot.measured[i] { square_alpha * plot.variance[i] } else { f64::INFINITY }
-                },
-            ),
-            offset_s: seconds_between(time_ns, plot.time_ns),
-            power: plot.power,
-        }
-    }
-}
-
 /// How far from a gate's centre a plot of the scan may lie and still be inside.
 #[derive(Debug, Clone, Copy)]
 struct Reach {
     square_alpha: f64,
-    /// Largest α²σ².
-    square: [f64; COORDINATES],
-    /// Largest time offset, s.
-    offset_s: f64,
+    /// Time of the scan, ns.
+    time_ns: u64,
+    /// Largest σ²; ∞ if a plot lacks the coordinate.
+    variance: [f64; COORDINATES],
+    /// Largest distance of a plot's time from the scan's, ns.
+    offset_ns: u64,
 }
 
 impl Reach {
-    fn of(seen: &[Seen], alpha: f64) -> Self {
-        let mut reach = Self { square_alpha: alpha * alpha, square: [0.0; COORDINATES], offset_s: 0.0 };
-        for plot in seen {
-            for i in 0..COORDINATES {
-                reach.square[i] = reach.square[i].max(plot.square[i]);
-            }
-            reach.offset_s = reach.offset_s.max(plot.offset_s.abs());
+    fn new(alpha: f64, time_ns: u64) -> Self {
+        Self { square_alpha: alpha * alpha, time_ns, variance: [0.0; COORDINATES], offset_ns: 0 }
+    }
+
+    fn widen(&mut self, plot: &Measurement) {
+        for i in 0..COORDINATES {
+            let variance = if plot.measured[i] { plot.variance[i] } else { f64::INFINITY };
+            self.variance[i] = self.variance[i].max(variance);
         }
-        reach
+        self.offset_ns = self.offset_ns.max(self.time_ns.abs_diff(plot.time_ns));
+    }
+
+    fn offset_s(&self) -> f64 {
+        self.offset_ns as f64 / NS_PER_S
     }
 }
 
@@ -239,8 +221,8 @@ impl Gates {
         let mut half_azimuth_rad = 0.0_f64;
         for mode in &modes {
             for i in 0..COORDINATES {
-                let half = (mode.square[i] + reach.square[i]).sqrt();
-                let moved = (mode.drift[i] * reach.offset_s).abs();
+                let half = (mode.square[i] + reach.square_alpha * reach.variance[i]).sqrt();
+                let moved = (mode.drift[i] * reach.offset_s()).abs();
                 if i == 1 {
                     let shift = angle::difference(mode.centre[1], middle).abs();
                     half_azimuth_rad = half_azimuth_rad.max(shift + half.min(FRAC_PI_2) + moved);
@@ -255,9 +237,19 @@ impl Gates {
     }
 
     /// Whether `plot` lies in any of them (T9).
-    fn hold(&self, plot: &Seen) -> bool {
+    fn hold(&self, plot: &Measurement, offset_s: f64, reach: &Reach) -> bool {
         let near = |i: usize| self.hull[i][0] <= plot.polar[i] && plot.polar[i] <= self.hull[i][1];
-        near(2) && near(3) && self.modes.iter().any(|gate| gate.holds(plot))
+        if !(near(2) && near(3)) {
+            return false;
+        }
+        // No gate refuses what was not measured.
+        let square =
+            std::array::from_fn(
+                |i| {
+                    if plot.measured[i] { reach.square_alpha * plot.variance[i] } else { f64::INFINITY }
+                },
+            );
+        self.modes.iter().any(|gate| gate.holds(&plot.polar, &square, offset_s))
     }
 }
 
@@ -272,13 +264,13 @@ impl Gate {
     }
 
     /// As [`crate::gate::Gate::holds`]; all coordinates at once, as most plots asked about are inside.
-    fn holds(&self, plot: &Seen) -> bool {
+    fn holds(&self, polar: &[f64; COORDINATES], square: &[f64; COORDINATES], offset_s: f64) -> bool {
         let mut offset: [f64; COORDINATES] =
-            std::array::from_fn(|i| plot.polar[i] - (self.centre[i] + self.drift[i] * plot.offset_s));
+            std::array::from_fn(|i| polar[i] - (self.centre[i] + self.drift[i] * offset_s));
         if offset[1].abs() > FRAC_PI_2 {
             offset[1] = angle::difference(offset[1], 0.0);
         }
-        let inside = (0..COORDINATES).filter(|&i| offset[i] * offset[i] <= self.square[i] + plot.square[i]).count();
+        let inside = (0..COORDINATES).filter(|&i| offset[i] * offset[i] <= self.square[i] + square[i]).count();
         inside == COORDINATES && offset[1].abs() <= FRAC_PI_2
     }
 }

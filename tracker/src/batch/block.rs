@@ -17,7 +17,7 @@ use crate::state::{Gaussian, packed};
 use super::lanes::{LANES, Row};
 
 /// Mean and covariance of a mode of N states, P = N (N + 1)/2.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode<const N: usize, const P: usize> {
     /// u; m, m/s, m/s².
     pub mean: [Row; N],
@@ -26,7 +26,7 @@ pub struct Mode<const N: usize, const P: usize> {
 }
 
 /// û, P̂, W of eight tracks; or u*, P*, W*.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Block {
     /// Hover.
     pub hover: Mode<3, { packed(3) }>,

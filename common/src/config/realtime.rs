@@ -1,0 +1,97 @@
+//! `[realtime.<stage>]`: what a stage asks of the operating system to be on time.
+
+use serde::{Deserialize, Serialize};
+
+use super::load::{ConfigError, require, within};
+
+/// Scheduling class of a stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scheduling {
+    /// The system's default class.
+    #[default]
+    Other,
+    /// SCHED_FIFO: runs before every process of the default class, until it waits.
+    Fifo,
+}
+
+/// How a stage waits for messages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WaitStrategy {
+    /// It sleeps until an event wakes it.
+    #[default]
+    Sleep,
+    /// It looks all the time: some ten microseconds faster, and takes a whole processor.
+    Poll,
+}
+
+/// Wishes of one stage; what the system refuses is said once, and the stage goes on without.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct StageRealtime {
+    /// Processors it may run on; empty for all.
+    pub cpus: Vec<usize>,
+    /// `other` or `fifo`.
+    pub scheduling: Scheduling,
+    /// Priority among SCHED_FIFO processes, 1 to 98.
+    pub priority: u8,
+    /// Keeps all of its memory resident, touched before the first message.
+    pub lock_memory: bool,
+    /// `sleep` or `poll`; sources follow their clock and do not look at it.
+    pub wait: WaitStrategy,
+}
+
+impl Default for StageRealtime {
+    fn default() -> Self {
+        Self {
+            cpus: Vec::new(),
+            scheduling: Scheduling::Other,
+            priority: 50,
+            lock_memory: false,
+            wait: WaitStrategy::Sleep,
+        }
+    }
+}
+
+/// Wishes of all stages.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RealtimeConfig {
+    /// Of `radar-sim`, `plot-source` or a replay, whichever runs.
+    pub source: StageRealtime,
+    /// Of `plot-extractor`.
+    pub plot_extractor: StageRealtime,
+    /// Of `tracker`.
+    pub tracker: StageRealtime,
+    /// Of `recorder`.
+    pub recorder: StageRealtime,
+}
+
+impl RealtimeConfig {
+    /// The wishes of the process with this name.
+    pub fn of(&self, process: &str) -> &StageRealtime {
+        match process {
+            "plot-extractor" => &self.plot_extractor,
+            "tracker" => &self.tracker,
+            "recorder" => &self.recorder,
+            _ => &self.source,
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), ConfigError> {
+        let stages = [
+            ("source", &self.source),
+            ("plot_extractor", &self.plot_extractor),
+            ("tracker", &self.tracker),
+            ("recorder", &self.recorder),
+        ];
+        for (name, stage) in stages {
+            within(&format!("realtime.{name}.priority"), stage.priority.into(), 1..=98)?;
+            let key = format!("realtime.{name}.cpus");
+            let valid = stage.cpus.iter().all(|&cpu| cpu < 1024);
+            require(&key, format!("{:?}", stage.cpus), valid, "numbers of processors below 1024")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,103 @@
+//! The bare event-driven hop of iceoryx2: a message, one event, one sleeping receiver, nothing of ours around it.
+//! The limit that the chain's own hops are compared with; messages are as long as theirs, and are filled.
+
+use std::time::Duration;
+
+use iceoryx2::port::listener::Listener;
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::prelude::*;
+
+use super::IpcError;
+use super::station::{Ipc, Station};
+use crate::time::monotonic_ns;
+
+/// Longest sleep of a receiver that is to look at its stop flag.
+const TICK: Duration = Duration::from_millis(100);
+
+/// When a message was sent, CLOCK_MONOTONIC ns.
+#[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
+#[type_name("radar/Sent/1")]
+#[repr(C)]
+pub(super) struct Sent(u64);
+
+/// The sending end.
+#[derive(Debug)]
+pub struct HopSender {
+    publisher: Publisher<Ipc, [f32], Sent>,
+    notifier: Notifier<Ipc>,
+}
+
+/// The receiving end.
+#[derive(Debug)]
+pub struct HopReceiver {
+    subscriber: Subscriber<Ipc, [f32], Sent>,
+    listener: Listener<Ipc>,
+}
+
+fn failed(cause: &dyn std::fmt::Debug) -> IpcError {
+    IpcError::Port { port: "bare hop", topic: "hop", reason: format!("{cause:?}") }
+}
+
+impl HopSender {
+    /// The sending end of the hop `name`, for messages of `length` numbers.
+    ///
+    /// # Errors
+    /// [`IpcError::Port`].
+    pub fn open(station: &Station, name: &str, length: usize) -> Result<Self, IpcError> {
+        let (data, event) = station.hop(name)?;
+        let builder = data.publisher_builder().initial_max_slice_len(length);
+        let publisher = builder.create().map_err(|cause| failed(&cause))?;
+        Ok(Self { publisher, notifier: event.notifier_builder().create().map_err(|cause| failed(&cause))? })
+    }
+
+    /// Fills a message of `length` numbers, notes the time and sends it.
+    ///
+    /// # Errors
+    /// [`IpcError::Port`].
+    pub fn send(&self, length: usize) -> Result<(), IpcError> {
+        let sample = self.publisher.loan_slice_uninit(length).map_err(|cause| failed(&cause))?;
+        let mut sample = sample.write_from_fn(|index| index as f32);
+        *sample.user_header_mut() = Sent(monotonic_ns());
+        sample.send().map_err(|cause| failed(&cause))?;
+        let _ = self.notifier.notify();
+        Ok(())
+    }
+}
+
+impl HopReceiver {
+    /// The receiving end of the hop `name`.
+    ///
+    /// # Errors
+    /// [`IpcError::Port`].
+    pub fn open(station: &Station, name: &str) -> Result<Self, IpcError> {
+        let (data, event) = station.hop(name)?;
+        let subscriber = data.subscriber_builder().create().map_err(|cause| failed(&cause))?;
+        Ok(Self { subscriber, listener: event.listener_builder().create().map_err(|cause| failed(&cause))? })
+    }
+
+    /// Calls `arrived` with the times sent and received of each message, ns, and `tick` after each wake-up and every
+    /// 100 ms, until that says no.
+    ///
+    /// # Errors
+    /// [`IpcError::Port`].
+    pub fn attend(&self, mut arrived: impl FnMut(u64, u64), mut tick: impl FnMut() -> bool) -> Result<(), IpcError> {
+        let wait_set = WaitSetBuilder::new()
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<Ipc>()
+            .map_err(|cause| failed(&cause))?;
+        let _guard = wait_set.attach_notification(&self.listener).map_err(|cause| failed(&cause))?;
+        while tick() {
+            while let Some(sample) = self.subscriber.receive().map_err(|cause| failed(&cause))? {
+                arrived(sample.user_header().0, monotonic_ns());
+            }
+            let drain = |_| {
+                let _ = self.listener.try_wait(|_| {});
+                CallbackProgression::Continue
+            };
+            let _ = wait_set.wait_and_process_once_with_timeout(drain, TICK);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,80 @@
+//! Real-time care of a process: what `[realtime.<stage>]` asks of the operating system.
+//!
+//! Nothing here is needed for correct results. What the system refuses (permissions, limits, processors that
+//! are not there) is said once, shown in status and report, and the process goes on without.
+
+use rustix::mm::{MlockAllFlags, mlockall};
+use rustix::thread::{CpuSet, sched_setaffinity};
+use thread_priority::unix::{
+    RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id,
+};
+use thread_priority::{ThreadPriority, ThreadPriorityValue};
+
+use crate::config::{Scheduling, StageRealtime};
+use crate::health::Wish;
+
+/// Stack that a stage is given for good when its memory is locked, bytes.
+const STACK: usize = 512 * 1024;
+
+/// Takes what `wishes` ask for and gives the bits of those that were refused ([`Wish::bit`]).
+///
+/// To be called by the main thread before ports are opened: memory that is mapped later is locked, and with that touched, too.
+pub fn take(wishes: &StageRealtime) -> u32 {
+    let mut refused = 0;
+    let mut note = |wish: Wish, result: Result<(), String>| {
+        if let Err(reason) = result {
+            let name = Wish::names(wish.bit()).concat();
+            tracing::warn!("realtime.{name} refused, going on without: {reason}");
+            refused |= wish.bit();
+        }
+    };
+    if !wishes.cpus.is_empty() {
+        note(Wish::Cpus, pin(&wishes.cpus));
+    }
+    if wishes.lock_memory {
+        let locked = mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE);
+        note(Wish::LockMemory, locked.map_err(|error| format!("{error} (see `ulimit -l`)")));
+        touch_stack();
+    }
+    if wishes.scheduling == Scheduling::Fifo {
+        note(Wish::Scheduling, run_first(wishes.priority));
+    }
+    refused
+}
+
+fn pin(cpus: &[usize]) -> Result<(), String> {
+    let mut set = CpuSet::new();
+    cpus.iter().filter(|&&cpu| cpu < CpuSet::MAX_CPU).for_each(|&cpu| set.set(cpu));
+    sched_setaffinity(None, &set).map_err(|error| format!("processors {cpus:?}: {error}"))
+}
+
+fn run_first(priority: u8) -> Result<(), String> {
+    let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+    let refused = |cause: String| format!("SCHED_FIFO with priority {priority}: {cause} (see `ulimit -r`)");
+    let value = ThreadPriorityValue::try_from(priority).map_err(refused)?;
+    set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(value), policy)
+        .map_err(|cause| refused(format!("{cause:?}")))
+}
+
+/// Uses the stack once, so that no later call meets a page that is not there.
+#[inline(never)]
+#[expect(clippy::large_stack_arrays, reason = "the stack is what it is about")]
+fn touch_stack() {
+    std::hint::black_box([0_u8; STACK]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_had_is_refused_and_no_more() {
+        // In a thread of its own: affinity is a thread's.
+        let refused = std::thread::spawn(|| {
+            let wishes = StageRealtime { cpus: vec![1000], ..StageRealtime::default() };
+            (take(&wishes), take(&StageRealtime { cpus: vec![0], ..StageRealtime::default() }))
+        });
+        assert_eq!(refused.join().expect("no panic"), (Wish::Cpus.bit(), 0));
+        assert_eq!(Wish::names(Wish::Cpus.bit() | Wish::LockMemory.bit()), ["cpus", "lock_memory"]);
+    }
+}

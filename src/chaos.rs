@@ -1,0 +1,220 @@
+//! `radar-chain chaos`: kills random stages at random times and checks that nothing is lost uncounted.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use chacha20::ChaCha8Rng;
+use common::config::{ChainConfig, Speed};
+use common::ipc::Domain;
+use common::process::EXIT_CHECK_BROKEN;
+use common::random::{Purpose, generator};
+use common::report::{Book, Report};
+use rand::RngExt;
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::board::Board;
+use crate::run::{Companion, launch};
+use crate::screen::Screen;
+use crate::stage::StageName;
+use crate::supervisor::Supervisor;
+
+/// Scans within which a stage has to be back.
+const BACK_WITHIN: f64 = 2.0;
+/// The chain is left alone for up to so many scans between a return and the next kill.
+const REST_SCANS: f64 = 1.0;
+/// A stage that is not back after this time never will be.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Kills, checks, and says what was found.
+pub(crate) fn chaos(mut chain: ChainConfig, kills: u32) -> anyhow::Result<ExitCode> {
+    chain.run.scans = 0; // it ends after the last kill
+    let scan_s = scan_seconds(&chain);
+    let mut monkey = Monkey {
+        rng: generator(chain.run.seed, Purpose::Chaos, 0, 0),
+        scan_s,
+        left: kills,
+        state: State::Resting { until: None },
+        returns: Vec::new(),
+    };
+    let ipc = chain.ipc.clone();
+    let outcome = match launch(chain, &mut monkey)? {
+        Ok(outcome) => outcome,
+        Err(code) => return Ok(code),
+    };
+    let mut findings = monkey.findings(kills);
+    print!("{}", monkey.table());
+    print!("{}", books_table(&outcome.report));
+    findings.extend(outcome.report.books.iter().filter(|book| !book.balances()).map(unbalanced));
+    findings.extend(Domain::remains(&ipc).into_iter().map(|file| format!("left behind: {file}")));
+    findings.extend(outcome.report.recording.iter().flat_map(|part| recordings(Path::new(part))));
+    for finding in &findings {
+        println!("BROKEN {finding}");
+    }
+    if findings.is_empty() {
+        println!(
+            "\n{kills} kills: every stage came back within {BACK_WITHIN} scans, the books balance, nothing is left behind"
+        );
+        Ok(ExitCode::SUCCESS)
+    } else {
+        Ok(ExitCode::from(EXIT_CHECK_BROKEN))
+    }
+}
+
+/// Length of a scan in processing time, s.
+fn scan_seconds(chain: &ChainConfig) -> f64 {
+    match chain.run.speed {
+        Speed::Times(factor) => chain.scan_period_s() / factor,
+        Speed::Max => chain.scan_period_s(),
+    }
+}
+
+/// Kills one stage after another.
+struct Monkey {
+    rng: ChaCha8Rng,
+    scan_s: f64,
+    left: u32,
+    state: State,
+    returns: Vec<Return>,
+}
+
+enum State {
+    /// The chain works; the next kill comes then.
+    Resting { until: Option<Instant> },
+    /// A stage was killed and is not back yet.
+    Waiting { stage: StageName, pid: u32, killed: Instant },
+    /// All has been done.
+    Done,
+}
+
+/// A stage that came back.
+struct Return {
+    stage: StageName,
+    after_s: f64,
+}
+
+impl Companion for Monkey {
+    fn look(&mut self, board: &Board, supervisor: &mut Supervisor, screen: &mut Screen) -> anyhow::Result<()> {
+        match self.state {
+            State::Done => {}
+            State::Waiting { stage, pid, killed } => {
+                let back = board.of(stage.name()).is_some_and(|health| health.pid != pid && works(stage, health));
+                if back {
+                    self.returns.push(Return { stage, after_s: killed.elapsed().as_secs_f64() });
+                    self.state = State::Resting { until: None };
+                } else if killed.elapsed() > PATIENCE {
+                    self.left = 0;
+                    self.state = State::Done;
+                    supervisor.stop();
+                }
+            }
+            State::Resting { until: None } => {
+                let running: Vec<(StageName, u32)> = supervisor.running().collect();
+                let at_work = |&(stage, pid): &(StageName, u32)| {
+                    board.of(stage.name()).is_some_and(|health| health.pid == pid && works(stage, health))
+                };
+                if running.len() == supervisor.stages() && running.iter().all(at_work) {
+                    // At least one scan at the end, so that all is seen to work on.
+                    let scans = if self.left == 0 { REST_SCANS } else { self.rng.random_range(0.0..REST_SCANS) };
+                    self.state =
+                        State::Resting { until: Some(Instant::now() + Duration::from_secs_f64(scans * self.scan_s)) };
+                }
+            }
+            State::Resting { until: Some(until) } if Instant::now() < until => {}
+            State::Resting { .. } if self.left == 0 => {
+                self.state = State::Done;
+                supervisor.stop();
+            }
+            State::Resting { .. } => {
+                let running: Vec<(StageName, u32)> = supervisor.running().collect();
+                let (stage, pid) = running[self.rng.random_range(0..running.len())];
+                self.left -= 1;
+                screen.say(&format!("chaos: killing {} ({} left)", stage.name(), self.left));
+                if let Some(process) = Pid::from_raw(pid.cast_signed()) {
+                    let _ = kill_process(process, Signal::KILL);
+                }
+                self.state = State::Waiting { stage, pid, killed: Instant::now() };
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a process does its work: it publishes, or receives what it is to record.
+fn works(stage: StageName, health: &common::health::Health) -> bool {
+    let received = health.intake[common::services::Topic::Tracks as usize].received;
+    health.ended == 0 && if stage == StageName::Recorder { received > 0 } else { health.messages_out > 0 }
+}
+
+impl Monkey {
+    /// Returns by stage.
+    fn table(&self) -> String {
+        let mut text = format!("\n{:<16}{:>7}{:>14}{:>14}\n", "stage", "kills", "back, median", "slowest");
+        let mut stages: Vec<StageName> = Vec::new();
+        self.returns.iter().for_each(|back| {
+            if !stages.contains(&back.stage) {
+                stages.push(back.stage);
+            }
+        });
+        for stage in stages {
+            let mut times: Vec<f64> =
+                self.returns.iter().filter(|back| back.stage == stage).map(|back| back.after_s / self.scan_s).collect();
+            times.sort_by(f64::total_cmp);
+            let (count, median, slowest) = (times.len(), times[times.len() / 2], times[times.len() - 1]);
+            let _ = writeln!(text, "{:<16}{count:>7}{median:>8.2} scans{slowest:>8.2} scans", stage.name());
+        }
+        text
+    }
+
+    fn findings(&self, kills: u32) -> Vec<String> {
+        let mut findings = Vec::new();
+        if self.returns.len() < kills as usize {
+            findings.push(format!("{} of {kills} kills, then the chain did not come back", self.returns.len()));
+        }
+        for back in self.returns.iter().filter(|back| back.after_s > BACK_WITHIN * self.scan_s) {
+            let scans = back.after_s / self.scan_s;
+            findings.push(format!("{} was back after {scans:.1} scans, {BACK_WITHIN} allowed", back.stage.name()));
+        }
+        findings
+    }
+}
+
+/// The books for a terminal.
+fn books_table(report: &Report) -> String {
+    let mut text = format!("\n{:<10}{:<16}{:>12}{:>12}{:>10}\n", "topic", "consumer", "sent", "received", "lost");
+    for Book { topic, consumer, sent, received, lost } in &report.books {
+        let _ = writeln!(text, "{topic:<10}{consumer:<16}{sent:>12}{received:>12}{lost:>10}");
+    }
+    text
+}
+
+fn unbalanced(book: &Book) -> String {
+    let Book { topic, consumer, sent, received, lost } = book;
+    format!("books of {topic} at {consumer}: {received} received + {lost} lost are not the {sent} sent")
+}
+
+/// What is wrong with the parts of the run whose last one is `part`.
+fn recordings(part: &Path) -> Vec<String> {
+    let name = part.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = name.trim_end_matches(".mcap").trim_end_matches(|c: char| c.is_ascii_digit()).to_string();
+    let folder = part.parent().unwrap_or(Path::new("."));
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut parts: Vec<_> = entries.map(|entry| entry.path()).filter(|path| is_part(path, &stem)).collect();
+    parts.sort();
+    let mut verification = recorder::verify::Verification::default();
+    for path in &parts {
+        let Ok(file) = std::fs::File::open(path) else { return vec![format!("{} cannot be read", path.display())] };
+        let length = file.metadata().map_or(0, |about| about.len());
+        verification.file(&path.display().to_string(), length, std::io::BufReader::with_capacity(1 << 20, file));
+    }
+    let (text, findings) = verification.finish();
+    println!("\n{} recordings verified, {findings} findings", parts.len());
+    if findings == 0 { Vec::new() } else { text.lines().map(String::from).collect() }
+}
+
+/// Whether a file is a part of the run whose files begin with `stem`.
+fn is_part(path: &Path, stem: &str) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    name.starts_with(stem) && name.ends_with(".mcap")
+}

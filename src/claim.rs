@@ -1,0 +1,57 @@
+//! The claim of a launcher to its domain: there is one at a time, and death gives it up.
+
+use std::fs::File;
+use std::os::unix::fs::MetadataExt;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use common::config::IpcConfig;
+use common::ipc::Domain;
+use common::process::BadInput;
+use rustix::fs::{FlockOperation, flock};
+
+/// Held as long as the launcher looks after the domain.
+#[derive(Debug)]
+pub(crate) struct Claim {
+    path: PathBuf,
+    _lock: File,
+}
+
+impl Claim {
+    /// Claims the domain, or says that another launcher has it.
+    pub(crate) fn take(ipc: &IpcConfig) -> anyhow::Result<Self> {
+        let path = Self::path(ipc);
+        std::fs::create_dir_all(&ipc.root).with_context(|| format!("creating {}", ipc.root))?;
+        loop {
+            let lock = File::options().create(true).append(true).open(&path);
+            let lock = lock.with_context(|| format!("opening {}", path.display()))?;
+            if flock(&lock, FlockOperation::NonBlockingLockExclusive).is_err() {
+                let prefix = &ipc.prefix;
+                return Err(BadInput(format!(
+                    "a chain is already running in the domain `{prefix}`: stop it, or use another --ipc-prefix"
+                ))
+                .into());
+            }
+            // One that has just ended may have removed the file between the two calls.
+            let (held, named) = (lock.metadata()?, std::fs::metadata(&path));
+            if named.is_ok_and(|named| named.ino() == held.ino()) {
+                return Ok(Self { path, _lock: lock });
+            }
+        }
+    }
+
+    /// Whether a living launcher has the domain.
+    pub(crate) fn is_taken(ipc: &IpcConfig) -> bool {
+        File::open(Self::path(ipc)).is_ok_and(|file| flock(&file, FlockOperation::NonBlockingLockShared).is_err())
+    }
+
+    fn path(ipc: &IpcConfig) -> PathBuf {
+        Domain::root(ipc).with_extension("lock")
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.path);
+    }
+}

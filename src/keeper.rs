@@ -1,0 +1,123 @@
+//! The stage `keeper`: what the launcher does for a chain whose stages a service manager starts and restarts.
+//!
+//! It holds the services open, cleans up after dead processes, serves metrics, and writes down where the run
+//! stands, so that a stage started again with `--resume` goes on there.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use common::config::ChainConfig;
+use common::ipc::{Domain, Flow, Station, attend};
+use common::process::{HealthReporter, RESUME_FILE, Resume, StageArgs, new_session, stop_requested};
+use common::services::{HealthReports, Topic};
+
+use crate::board::Board;
+use crate::claim::Claim;
+use crate::metrics::Metrics;
+use crate::run::run_id;
+use crate::supervisor::{TRACKS_PER_START, next_scan};
+
+/// Name of the process.
+pub(crate) const NAME: &str = "keeper";
+/// Asked to stop, it waits so long for the stages to go first.
+const LAST: Duration = Duration::from_secs(20);
+/// The place of the run is written this often.
+const WRITE: Duration = Duration::from_millis(200);
+
+/// Runs the process until it is asked to stop.
+pub(crate) fn keep(args: &StageArgs) -> anyhow::Result<ExitCode> {
+    let chain = args.load()?;
+    let _claim = Claim::take(&chain.ipc)?;
+    let domain = Domain::enter(&chain.ipc)?;
+    if !domain.is_alive() {
+        domain.remove(); // what a killed chain has left
+    }
+    let ended = hold(&chain);
+    let domain = Domain::enter(&chain.ipc)?;
+    if !domain.is_alive() {
+        domain.remove();
+    }
+    ended.map(|()| ExitCode::SUCCESS)
+}
+
+fn hold(chain: &ChainConfig) -> anyhow::Result<()> {
+    let metrics = Metrics::serve(&chain.metrics)?;
+    let station = Station::enter(NAME, chain)?;
+    let _keeper = station.keep_services()?;
+    let health = station.subscriber::<HealthReports>()?;
+    let wake = station.wake(Topic::Health)?;
+    let mut reporter = HealthReporter::new(&station, chain, new_session(), 0)?;
+    let root = Domain::root(&chain.ipc);
+    write(&root, "chain.toml", &chain.to_toml())?;
+    let (run, mut trackers) = earlier(&root, chain).unwrap_or_else(|| {
+        let given = Some(chain.run.id.clone()).filter(|id| !id.is_empty());
+        (given.unwrap_or_else(run_id), Trackers::default())
+    });
+    let (mut board, mut written, mut asked) = (Board::default(), Instant::now(), None);
+    write_place(&root, chain, &run, &board, &trackers)?;
+    attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
+        while let Some(report) = health.receive()? {
+            report.elements().iter().for_each(|health| board.take(health));
+        }
+        station.domain().clean_dead_nodes();
+        trackers.note(&board);
+        if written.elapsed() > WRITE && !board.is_empty() {
+            written = Instant::now();
+            write_place(&root, chain, &run, &board, &trackers)?;
+        }
+        let mut flow = Flow::Wait;
+        if stop_requested() {
+            let since = *asked.get_or_insert_with(Instant::now);
+            let alone = station.domain().inhabitants().iter().all(|(name, _)| name == NAME);
+            flow = if alone || since.elapsed() > LAST { Flow::End } else { Flow::Wait };
+        }
+        if flow == Flow::End || reporter.is_due() {
+            reporter.health.ended = u32::from(flow == Flow::End);
+            reporter.publish()?;
+            metrics.publish(&board);
+        }
+        Ok(flow)
+    })
+}
+
+/// What a keeper of this run that has died had written down.
+fn earlier(root: &Path, chain: &ChainConfig) -> Option<(String, Trackers)> {
+    let place = std::fs::read_to_string(root.join(RESUME_FILE)).ok()?;
+    let value = |of: Resume| place.lines().find_map(|line| line.strip_prefix(of.key())?.strip_prefix('='));
+    let first_track: u64 = value(Resume::Tracks)?.parse().ok()?;
+    let starts = first_track.saturating_sub(chain.run.first_track) / TRACKS_PER_START;
+    Some((value(Resume::Run)?.trim_matches('"').to_string(), Trackers { session: 0, starts }))
+}
+
+/// Sessions of trackers seen: each numbers its tracks anew.
+#[derive(Debug, Default)]
+struct Trackers {
+    session: u64,
+    starts: u64,
+}
+
+impl Trackers {
+    fn note(&mut self, board: &Board) {
+        let Some(tracker) = board.of("tracker").filter(|tracker| tracker.session != self.session) else { return };
+        self.session = tracker.session;
+        self.starts += 1;
+    }
+}
+
+/// Writes down where the run stands, as overrides of the configuration.
+fn write_place(root: &Path, chain: &ChainConfig, run: &str, board: &Board, trackers: &Trackers) -> anyhow::Result<()> {
+    let first_track = chain.run.first_track + TRACKS_PER_START * trackers.starts;
+    let [scan, tracks, id] = [Resume::Scan, Resume::Tracks, Resume::Run].map(Resume::key);
+    let place = format!("{scan}={}\n{tracks}={first_track}\n{id}=\"{run}\"\n", next_scan(board, chain));
+    write(root, RESUME_FILE, &place)
+}
+
+/// Writes a file of the domain whole or not at all.
+fn write(root: &Path, name: &str, text: &str) -> anyhow::Result<()> {
+    let (file, draft) = (root.join(name), root.join(format!("{name}.tmp")));
+    std::fs::write(&draft, text)
+        .and_then(|()| std::fs::rename(&draft, &file))
+        .with_context(|| format!("writing {}", file.display()))
+}

@@ -1,0 +1,165 @@
+//! Counters, states and latencies of the chain for Prometheus, over HTTP.
+//!
+//! The page is written once a second; a scrape reads it and never waits for the chain. The text form is that of
+//! the Prometheus exposition format 0.0.4.
+
+use std::fmt::Write as _;
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use common::config::MetricsConfig;
+use common::health::{Condition, Health, REJECT_NAMES, Wish};
+use common::latency::LATENCY_NAMES;
+use common::process::BadInput;
+use common::services::TOPIC_NAMES;
+use common::units::NS_PER_S;
+
+use crate::board::Board;
+
+/// A scraper that is slower is sent away.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Longest request that is read, bytes.
+const REQUEST: usize = 8192;
+
+/// The page and where it is served.
+#[derive(Debug)]
+pub(crate) struct Metrics {
+    page: Arc<Mutex<String>>,
+    address: Option<SocketAddr>,
+}
+
+impl Metrics {
+    /// Begins to serve, if the configuration says where.
+    pub(crate) fn serve(config: &MetricsConfig) -> anyhow::Result<Self> {
+        let page = Arc::new(Mutex::new(String::new()));
+        let Some(wanted) = config.address() else { return Ok(Self { page, address: None }) };
+        let refused = |error: std::io::Error| BadInput(format!("cannot serve metrics on {wanted}: {error}"));
+        let listener = TcpListener::bind(wanted).map_err(refused)?;
+        let address = listener.local_addr().map_err(refused)?;
+        let shown = Arc::clone(&page);
+        std::thread::Builder::new().name("metrics".into()).spawn(move || {
+            for stream in listener.incoming().flatten() {
+                let text = shown.lock().unwrap_or_else(PoisonError::into_inner).clone();
+                let _ = answer(stream, &text); // a scraper that has gone away is no loss
+            }
+        })?;
+        common::process::say(&format!("metrics on http://{address}/metrics"));
+        Ok(Self { page, address: Some(address) })
+    }
+
+    /// Writes the page anew.
+    pub(crate) fn publish(&self, board: &Board) {
+        if self.address.is_some() {
+            let text = page(board);
+            *self.page.lock().unwrap_or_else(PoisonError::into_inner) = text;
+        }
+    }
+}
+
+/// Answers one request.
+fn answer(mut stream: TcpStream, page: &str) -> std::io::Result<()> {
+    stream.set_read_timeout(Some(PATIENCE))?;
+    stream.set_write_timeout(Some(PATIENCE))?;
+    let (mut request, mut length) = ([0; REQUEST], 0);
+    while length < REQUEST && !request[..length].windows(4).any(|end| end == b"\r\n\r\n") {
+        match stream.read(&mut request[length..])? {
+            0 => break,
+            more => length += more,
+        }
+    }
+    let found = request.starts_with(b"GET / ") || request.starts_with(b"GET /metrics ");
+    let (status, body) = if found { ("200 OK", page) } else { ("404 Not Found", "see /metrics\n") };
+    write!(
+        stream,
+        "HTTP/1.1 {status}\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{body}",
+        body.len()
+    )
+}
+
+/// One figure of a process: its name, type, meaning and value.
+type Figure = (&'static str, &'static str, &'static str, fn(&Health) -> f64);
+
+const FIGURES: [Figure; 15] = [
+    ("radar_up", "gauge", "1 while the process speaks", |health| f64::from(health.ended == 0)),
+    ("radar_scan", "gauge", "Scan being worked on", |health| f64::from(health.scan)),
+    ("radar_heartbeat_seconds", "gauge", "CLOCK_MONOTONIC of the last health report", |health| {
+        health.heartbeat_ns as f64 / NS_PER_S
+    }),
+    ("radar_messages_published_total", "counter", "Messages published in this session", |health| {
+        health.messages_out as f64
+    }),
+    ("radar_elements_published_total", "counter", "Cells, plots or tracks published in this session", |health| {
+        health.elements_out as f64
+    }),
+    ("radar_cpu_seconds_total", "counter", "Processor time", |health| health.cpu_ns as f64 / NS_PER_S),
+    ("radar_resident_memory_bytes", "gauge", "Resident memory", |health| health.rss_bytes as f64),
+    ("radar_open_files", "gauge", "Open file descriptors", |health| f64::from(health.files)),
+    ("radar_plots", "gauge", "Plots of the last whole scan", |health| f64::from(health.plots)),
+    ("radar_tracks", "gauge", "Tracks alive, or true targets of a source", |health| f64::from(health.tracks)),
+    ("radar_tracks_confirmed", "gauge", "Tracks confirmed", |health| f64::from(health.confirmed)),
+    ("radar_restarts_total", "counter", "Restarts of stages by the launcher", |health| f64::from(health.restarts)),
+    ("radar_upstream_silences_total", "counter", "Times that input stayed away", |health| f64::from(health.silences)),
+    ("radar_slow_steps_total", "counter", "Steps that took too long", |health| f64::from(health.slow_steps)),
+    ("radar_realtime_wishes_refused", "gauge", "Real-time wishes that the system has refused", |health| {
+        Wish::names(health.refused).len() as f64
+    }),
+];
+
+/// The whole page.
+fn page(board: &Board) -> String {
+    let mut text = String::new();
+    let head = |text: &mut String, name: &str, kind: &str, help: &str| {
+        let _ = writeln!(text, "# HELP {name} {help}\n# TYPE {name} {kind}");
+    };
+    for (name, kind, help, value) in FIGURES {
+        head(&mut text, name, kind, help);
+        for (process, health, _) in board.all() {
+            let _ = writeln!(text, "{name}{{process=\"{process}\"}} {}", value(health));
+        }
+    }
+    head(&mut text, "radar_condition", "gauge", "1 for what the watchdog of the process says");
+    for (process, health, _) in board.all() {
+        for condition in [Condition::Fine, Condition::UpstreamSilent, Condition::Slow] {
+            let is = u32::from(condition as u32 == health.condition);
+            let _ = writeln!(text, "radar_condition{{process=\"{process}\",condition=\"{}\"}} {is}", condition.text());
+        }
+    }
+    for (name, help, count) in [
+        (
+            "radar_messages_received_total",
+            "Messages received",
+            (|intake| intake.received) as fn(&common::health::Intake) -> u64,
+        ),
+        ("radar_messages_lost_total", "Messages missing, from gaps of the sequence numbers", |intake| intake.lost),
+    ] {
+        head(&mut text, name, "counter", help);
+        for (process, health, _) in board.all() {
+            for (topic, intake) in TOPIC_NAMES.iter().zip(&health.intake).filter(|(_, intake)| intake.received > 0) {
+                let _ = writeln!(text, "{name}{{process=\"{process}\",topic=\"{topic}\"}} {}", count(intake));
+            }
+        }
+    }
+    head(&mut text, "radar_rejected_total", "counter", "Input that could not be used, by reason");
+    for (process, health, _) in board.all() {
+        for (reason, count) in REJECT_NAMES.iter().zip(health.rejected).filter(|&(_, count)| count > 0) {
+            let _ = writeln!(text, "radar_rejected_total{{process=\"{process}\",reason=\"{reason}\"}} {count}");
+        }
+    }
+    let Some(recorder) = board.of("recorder") else { return text };
+    let named = || LATENCY_NAMES.iter().zip(&recorder.latency).filter(|(_, latency)| latency.n > 0);
+    head(&mut text, "radar_latency_seconds", "summary", "Latencies of the run so far");
+    for (name, latency) in named() {
+        for (quantile, us) in [("0.5", latency.p50_us), ("0.99", latency.p99_us)] {
+            let seconds = f64::from(us) * 1e-6;
+            let _ = writeln!(text, "radar_latency_seconds{{latency=\"{name}\",quantile=\"{quantile}\"}} {seconds:e}");
+        }
+        let _ = writeln!(text, "radar_latency_seconds_count{{latency=\"{name}\"}} {}", latency.n);
+    }
+    head(&mut text, "radar_budget_misses_total", "counter", "Scans with a latency above its limit");
+    for (name, latency) in named() {
+        let _ = writeln!(text, "radar_budget_misses_total{{latency=\"{name}\"}} {}", latency.misses);
+    }
+    text
+}

@@ -1,0 +1,168 @@
+//! `radar-chain soak`: a run that is measured against its limits.
+//!
+//! ```text
+//! stages ──health──▶ launcher ──▶ resources.csv ─┐
+//!    recorder ──▶ latency.hlog, report.json ─────┼─▶ verdict ─▶ report.json, report.html
+//!    hop processes ──▶ hop-*.hlog ───────────────┘
+//! ```
+//!
+//! Series go to files while the run lasts, so that a soak of days needs no more memory than one of minutes.
+
+mod page;
+mod reference;
+mod resources;
+mod verdict;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use common::config::ChainConfig;
+use common::latency::{LATENCY_NAMES, Latency};
+use common::latency_log::{self, Interval};
+use common::process::{BadInput, EXIT_CHECK_BROKEN};
+use common::report::{Blocks, Percentiles, Report, Soak};
+
+use crate::board::Board;
+use crate::run::{Companion, Outcome, launch};
+use crate::screen::Screen;
+use crate::supervisor::Supervisor;
+use reference::Reference;
+use resources::{Resources, Series};
+
+pub(crate) use reference::{HopArgs, hop};
+
+/// Blocks that the course of a latency is given in.
+const BLOCKS: usize = 200;
+
+/// What a soak is to do beside running the chain.
+pub(crate) struct Plan {
+    /// It ends after this time, if not by its scans.
+    pub(crate) duration: Option<Duration>,
+    /// Folder of its results.
+    pub(crate) out: PathBuf,
+    /// Whether the bare hop is measured beside it.
+    pub(crate) reference: bool,
+}
+
+/// Runs the chain, measures it, judges it.
+pub(crate) fn soak(mut chain: ChainConfig, plan: &Plan) -> anyhow::Result<ExitCode> {
+    let refuse = |error: std::io::Error| BadInput(format!("folder of the soak {}: {error}", plan.out.display()));
+    std::fs::create_dir_all(&plan.out).map_err(refuse)?;
+    let out = std::path::absolute(&plan.out).map_err(refuse)?;
+    let place = |name: &str| out.join(name).display().to_string();
+    chain.recorder.report = place("report.json");
+    chain.soak.log = place("latency.hlog");
+    let _ = std::fs::remove_file(&chain.soak.log); // of an earlier soak
+    let resources = Resources::create(&out, Duration::from_secs_f64(chain.soak.interval_s))?;
+    let reference = plan.reference.then(|| Reference::of(&chain, &out));
+    let mut companion = Watcher { duration: plan.duration, begun: None, resources, reference, ended: false };
+    let limits = chain.clone();
+    let launched = launch(chain, &mut companion)?;
+    let Watcher { resources, reference, .. } = companion;
+    drop(reference); // its logs are written when its processes have ended
+    let series = resources.finish()?;
+    let outcome = match launched {
+        Ok(outcome) => outcome,
+        Err(code) => return Ok(code),
+    };
+    let report = conclude(&limits, outcome, &series, &out)?;
+    print!("{}", report.to_text());
+    print!("{}", verdict::to_text(&report));
+    println!("\nresults in {}: report.html, report.json, latency.hlog, resources.csv", plan.out.display());
+    let ok = report.soak.as_ref().is_some_and(|soak| soak.ok);
+    Ok(if ok { ExitCode::SUCCESS } else { ExitCode::from(EXIT_CHECK_BROKEN) })
+}
+
+/// Notes resources while the chain runs, keeps the bare hop going, and ends both in time.
+struct Watcher {
+    duration: Option<Duration>,
+    /// When the source had begun its first scan.
+    begun: Option<Instant>,
+    resources: Resources,
+    reference: Option<Reference>,
+    ended: bool,
+}
+
+impl Companion for Watcher {
+    fn look(&mut self, board: &Board, supervisor: &mut Supervisor, screen: &mut Screen) -> anyhow::Result<()> {
+        if self.begun.is_none() && board.of("tracker").is_some_and(|tracker| tracker.messages_out > 0) {
+            self.begun = Some(Instant::now());
+            if let Some(reference) = &mut self.reference {
+                reference.start()?;
+            }
+        }
+        let Some(begun) = self.begun else { return Ok(()) };
+        self.resources.note(begun.elapsed(), board)?;
+        if let Some(duration) = self.duration {
+            screen.left(duration.saturating_sub(begun.elapsed()));
+            if begun.elapsed() >= duration {
+                supervisor.stop();
+            }
+        }
+        if supervisor.is_ending() && !self.ended {
+            self.ended = true;
+            if let Some(reference) = &mut self.reference {
+                reference.stop();
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Adds to the report what the soak has found, and writes it with its page.
+fn conclude(chain: &ChainConfig, outcome: Outcome, series: &Series, out: &Path) -> anyhow::Result<Report> {
+    let read = |name: &str| {
+        let text = std::fs::read_to_string(out.join(name)).unwrap_or_default();
+        latency_log::read(&text)
+    };
+    let (intervals, mut bare) = (read("latency.hlog"), Vec::new());
+    for latency in reference::LATENCIES_OF_HOPS {
+        bare.extend(read(&reference::log_name(latency)));
+    }
+    let mut report = outcome.report;
+    let mut soak = Soak {
+        blocks: LATENCY_NAMES
+            .iter()
+            .enumerate()
+            .map(|(place, name)| ((*name).into(), course(&intervals, place)))
+            .collect(),
+        growth_mib: series.growth_mib(chain.soak.warm_up),
+        ..Soak::default()
+    };
+    soak.blocks.retain(|_, blocks| !blocks.t_s.is_empty());
+    let bare = latency_log::merged(&bare);
+    for (name, histogram) in bare.named().filter(|(_, histogram)| !histogram.is_empty()) {
+        let reference = Percentiles::of(histogram);
+        let hop = report.latency_us.get(name).copied().unwrap_or_default();
+        soak.reference.insert(name.into(), reference);
+        if hop.n > 0 {
+            soak.ratio_to_reference.insert(name.into(), hop.p50 / reference.p50);
+        }
+    }
+    soak.findings = verdict::findings(chain, &report, &soak, outcome.disturbed);
+    soak.ok = soak.findings.is_empty();
+    report.soak = Some(soak);
+    let write = |name: &str, text: String| {
+        let path = out.join(name);
+        std::fs::write(&path, text).with_context(|| format!("writing {}", path.display()))
+    };
+    write("report.json", report.to_json())?;
+    write("report.html", page::html(chain, &report, series, &latency_log::merged(&intervals), &bare))?;
+    Ok(report)
+}
+
+/// One latency over the run, at most [`BLOCKS`] blocks.
+fn course(intervals: &[Interval], latency: usize) -> Blocks {
+    debug_assert!(latency <= Latency::Record as usize);
+    let mut course = Blocks::default();
+    for (t_s, histogram) in latency_log::blocks(intervals, latency, BLOCKS) {
+        let Percentiles { p50, p99, max, .. } = Percentiles::of(&histogram);
+        course.t_s.push(t_s);
+        course.p50.push(p50);
+        course.p99.push(p99);
+        course.max.push(max);
+    }
+    course
+}

@@ -1,0 +1,108 @@
+//! The report of a soak as one page that stands alone.
+
+use common::config::{ChainConfig, Speed};
+use common::latency::LatencyHistograms;
+use common::report::Report;
+use hdrhistogram::Histogram;
+use serde_json::{Map, Value, json};
+
+use super::resources::{Row, Series, points};
+
+/// The page; its data go where the placeholder is.
+const TEMPLATE: &str = include_str!("report.html");
+const PLACEHOLDER: &str = "__REPORT_JSON__";
+/// Points of a percentile curve: so many for each halving of the share above.
+const TICKS_PER_HALF_DISTANCE: u32 = 5;
+/// Bytes in a MiB.
+const MIB: f64 = 1_048_576.0;
+
+/// Writes the page.
+pub(super) fn html(
+    chain: &ChainConfig,
+    report: &Report,
+    series: &Series,
+    latencies: &LatencyHistograms,
+    bare: &LatencyHistograms,
+) -> String {
+    let data = data(chain, report, series, latencies, bare).to_string();
+    TEMPLATE.replace(PLACEHOLDER, &data.replace('<', "\\u003c"))
+}
+
+fn data(
+    chain: &ChainConfig,
+    report: &Report,
+    series: &Series,
+    latencies: &LatencyHistograms,
+    bare: &LatencyHistograms,
+) -> Value {
+    let soak = report.soak.clone().unwrap_or_default();
+    let latency = |(name, histogram): (&str, &Histogram<u64>)| {
+        let percentiles = report.latency_us.get(name).copied().unwrap_or_default();
+        let mut value = json!(percentiles);
+        value["budget"] = json!(report.budget.get(name));
+        value["ratio_to_reference"] = json!(soak.ratio_to_reference.get(name));
+        value["curve"] = curve(histogram);
+        (name.to_string(), value)
+    };
+    let shown = |(_, histogram): &(&str, &Histogram<u64>)| !histogram.is_empty();
+    let reference: Map<String, Value> = bare
+        .named()
+        .filter(shown)
+        .map(|(name, histogram)| {
+            let mut value = json!(soak.reference.get(name));
+            value["curve"] = curve(histogram);
+            (name.to_string(), value)
+        })
+        .collect();
+    let times = soak.blocks.values().map(|blocks| &blocks.t_s).max_by_key(|times| times.len());
+    let courses: Map<String, Value> = soak
+        .blocks
+        .iter()
+        .map(|(name, blocks)| (name.clone(), json!({"p50": blocks.p50, "p99": blocks.p99, "max": blocks.max})))
+        .collect();
+    let tracker = series.by_process.get("tracker").map_or(&[][..], Vec::as_slice);
+    let of = |rows: &[Row], value: fn(&Row) -> f64| -> Vec<f64> { points(rows).map(value).collect() };
+    json!({
+        "site": chain.site.name,
+        "version": report.version,
+        "git": report.git,
+        "mode": chain.run.mode.name(),
+        "speed": match chain.run.speed { Speed::Max => "max".into(), Speed::Times(factor) => format!("{factor}×") },
+        "started_utc": report.config.as_ref().map_or("", |config| config.run.id.as_str()),
+        "wall_s": report.wall_s,
+        "scans": report.scans,
+        "realtime_factor": report.realtime_factor,
+        "machine": crate::machine::describe(),
+        "verdict": {"ok": soak.ok, "findings": soak.findings},
+        "latency": latencies.named().filter(shown).map(latency).collect::<Map<_, _>>(),
+        "reference": if reference.is_empty() { Value::Null } else { reference.into() },
+        "blocks": {"t_s": times, "latency": courses},
+        "processes": series.by_process.iter().map(|(name, rows)| {
+            let growth = soak.growth_mib.get(name);
+            (name.clone(), json!({
+                "t_s": of(rows, |row| row.t_s),
+                "rss_mib": of(rows, |row| row.rss_bytes as f64 / MIB),
+                "fds": of(rows, |row| f64::from(row.files)),
+                "cpu_share": of(rows, |row| row.cpu_share),
+                "restarts": report.processes.get(name).map_or(0, |used| used.restarts),
+                "growth_mib": growth,
+                "growth_ok": growth.is_none_or(|&growth| growth <= chain.soak.growth_mib),
+            }))
+        }).collect::<Map<_, _>>(),
+        "per_scan": {
+            "t_s": of(tracker, |row| row.t_s),
+            "plots": of(tracker, |row| f64::from(row.plots)),
+            "tracks": of(tracker, |row| f64::from(row.tracks)),
+            "confirmed": of(tracker, |row| f64::from(row.confirmed)),
+        },
+        "loss": report.books,
+        "misses": report.misses,
+        "misses_total": report.budget.values().map(|budget| budget.misses).sum::<u64>(),
+    })
+}
+
+/// Values at quantiles that come closer and closer to 1, µs.
+fn curve(histogram: &Histogram<u64>) -> Value {
+    let steps = histogram.iter_quantiles(TICKS_PER_HALF_DISTANCE);
+    steps.map(|step| json!([step.quantile_iterated_to(), step.value_iterated_to() as f64 / 1000.0])).collect()
+}

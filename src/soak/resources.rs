@@ -1,0 +1,155 @@
+//! Memory, files, processor time, plots and tracks over the run: a table that is written as it comes.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::Context;
+use serde::{Deserialize, Serialize};
+
+use crate::board::Board;
+
+/// Rows are thinned to at most so many of each process when they are read back.
+const POINTS: usize = 400;
+/// Bytes in a MiB.
+const MIB: f64 = 1_048_576.0;
+
+/// One process at one time: a line of `resources.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Row {
+    pub(super) t_s: f64,
+    pub(super) process: String,
+    pub(super) pid: u32,
+    pub(super) scan: u32,
+    pub(super) rss_bytes: u64,
+    pub(super) files: u32,
+    pub(super) cpu_share: f64,
+    pub(super) plots: u32,
+    pub(super) tracks: u32,
+    pub(super) confirmed: u32,
+}
+
+/// The table being written.
+pub(super) struct Resources {
+    path: PathBuf,
+    writer: csv::Writer<File>,
+    interval: Duration,
+    next: Duration,
+}
+
+impl Resources {
+    /// Begins `resources.csv` in a folder.
+    pub(super) fn create(out: &Path, interval: Duration) -> anyhow::Result<Self> {
+        let path = out.join("resources.csv");
+        let file = File::create(&path).with_context(|| format!("creating {}", path.display()))?;
+        Ok(Self { path, writer: csv::Writer::from_writer(file), interval, next: Duration::ZERO })
+    }
+
+    /// Writes a line per process if an interval has passed.
+    pub(super) fn note(&mut self, elapsed: Duration, board: &Board) -> anyhow::Result<()> {
+        if elapsed < self.next {
+            return Ok(());
+        }
+        self.next = elapsed + self.interval;
+        for (process, health, cpu_share) in board.all() {
+            let row = Row {
+                t_s: elapsed.as_secs_f64(),
+                process: process.to_string(),
+                pid: health.pid,
+                scan: health.scan,
+                rss_bytes: health.rss_bytes,
+                files: health.files,
+                cpu_share,
+                plots: health.plots,
+                tracks: health.tracks,
+                confirmed: health.confirmed,
+            };
+            self.writer.serialize(row).with_context(|| format!("writing {}", self.path.display()))?;
+        }
+        self.writer.flush().with_context(|| format!("writing {}", self.path.display()))
+    }
+
+    /// Reads the whole table back.
+    pub(super) fn finish(mut self) -> anyhow::Result<Series> {
+        self.writer.flush()?;
+        let reading = || format!("reading {}", self.path.display());
+        let mut by_process: BTreeMap<String, Vec<Row>> = BTreeMap::new();
+        for row in csv::Reader::from_path(&self.path).with_context(reading)?.deserialize() {
+            let row: Row = row.with_context(reading)?;
+            by_process.entry(row.process.clone()).or_default().push(row);
+        }
+        Ok(Series { by_process })
+    }
+}
+
+/// The table by process.
+#[derive(Debug, Default)]
+pub(super) struct Series {
+    pub(super) by_process: BTreeMap<String, Vec<Row>>,
+}
+
+impl Series {
+    /// Resident memory gained after the first share `warm_up` of the run, MiB: median of the last tenth less median
+    /// of the tenth after warm-up. Processes that were restarted, and runs too short to tell, have none.
+    pub(super) fn growth_mib(&self, warm_up: f64) -> BTreeMap<String, f64> {
+        let growth = |rows: &Vec<Row>| {
+            let (count, end) = (rows.len(), rows.last()?.t_s);
+            if count < 10 || rows.iter().any(|row| row.pid != rows[count - 1].pid) {
+                return None;
+            }
+            let within = |from: f64, to: f64| {
+                let chosen = rows.iter().filter(|row| (from * end..=to * end).contains(&row.t_s));
+                let mut values: Vec<u64> = chosen.map(|row| row.rss_bytes).collect();
+                values.sort_unstable();
+                values.get(values.len() / 2).map(|&bytes| bytes as f64 / MIB)
+            };
+            Some(within(0.9, 1.0)? - within(warm_up, warm_up + 0.1)?)
+        };
+        self.by_process.iter().filter_map(|(name, rows)| Some((name.clone(), growth(rows)?))).collect()
+    }
+}
+
+/// The rows of one process, thinned.
+pub(super) fn points(rows: &[Row]) -> impl Iterator<Item = &Row> {
+    rows.iter().step_by(rows.len().div_ceil(POINTS).max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(rss_mib: impl Fn(u32) -> f64, pid: impl Fn(u32) -> u32) -> Vec<Row> {
+        let row = |k| Row {
+            t_s: f64::from(k),
+            process: "tracker".into(),
+            pid: pid(k),
+            scan: k,
+            rss_bytes: (rss_mib(k) * MIB) as u64,
+            files: 3,
+            cpu_share: 0.1,
+            plots: 0,
+            tracks: 0,
+            confirmed: 0,
+        };
+        (0..1000).map(row).collect()
+    }
+
+    fn growth(rows: Vec<Row>) -> Option<f64> {
+        let series = Series { by_process: [("tracker".to_string(), rows)].into() };
+        series.growth_mib(0.1).get("tracker").copied()
+    }
+
+    #[test]
+    fn warm_up_is_no_growth_and_a_leak_is() {
+        let warm = growth(rows(|k| if k < 50 { 5.0 } else { 9.0 }, |_| 1)).expect("known");
+        assert!(warm.abs() < 1e-6, "{warm}");
+        let leak = growth(rows(|k| 9.0 + 0.01 * f64::from(k), |_| 1)).expect("known");
+        assert!((leak - 8.0).abs() < 0.02, "{leak}");
+    }
+
+    #[test]
+    fn a_restarted_process_has_no_growth() {
+        assert_eq!(growth(rows(|_| 9.0, |k| k / 500)), None);
+    }
+}

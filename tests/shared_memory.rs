@@ -1,0 +1,59 @@
+//! /dev/shm too small at the start, and filled by others later: in a namespace with a /dev/shm of its own.
+
+mod support;
+
+use std::path::Path;
+use std::process::Command;
+
+use support::{Bench, output, small_config, text_of};
+
+/// Runs a script in which `$CHAIN` is the program with a small /dev/shm; none where no namespace can be made.
+fn in_small_memory(bench: &Bench, mib: u32, script: &str) -> Option<std::process::Output> {
+    let root = rustix::process::geteuid().is_root();
+    let unshare: &[&str] = if root { &["--mount"] } else { &["--mount", "--map-root-user"] };
+    let possible = output(Command::new("unshare").args(unshare).args(["sh", "-c", "mount -t tmpfs none /dev/shm"]));
+    if !possible.status.success() {
+        assert!(std::env::var_os("CI").is_none(), "checks before landing need namespaces: {}", text_of(&possible));
+        eprintln!("no namespace can be made here: not tested");
+        return None;
+    }
+    let script = format!("set -e; mount -t tmpfs -o size={mib}m none /dev/shm; {script}");
+    let mut command = Command::new("unshare");
+    command.args(unshare).args(["bash", "-c", &script]).current_dir(bench.path(""));
+    command.env("CHAIN", env!("CARGO_BIN_EXE_radar-chain")).env("CONFIG", small_config());
+    command.env("ROOT", bench.path("")).env("PREFIX", bench.prefix());
+    Some(output(&mut command))
+}
+
+const RUN: &str =
+    r#""$CHAIN" run --config "$CONFIG" --ipc-prefix "$PREFIX" --set "ipc.root='$ROOT'" --set run.speed=1.0"#;
+
+#[test]
+fn too_small_at_the_start_is_one_line() {
+    let bench = Bench::new();
+    let Some(refused) = in_small_memory(&bench, 2, RUN) else { return };
+    assert_eq!(refused.status.code(), Some(2), "{}", text_of(&refused));
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(said.contains("/dev/shm has") && said.trim().lines().count() == 1, "{said}");
+}
+
+#[test]
+fn filled_by_others_it_stops_nothing() {
+    let bench = Bench::new();
+    // Full to the last page while the chain runs; then a stage is killed and has to come back without any room to spare.
+    let script = format!(
+        r#"
+        {RUN} --scans 40 2>err & chain=$!
+        until "$CHAIN" status --config "$CONFIG" --ipc-prefix "$PREFIX" --set "ipc.root='$ROOT'" | grep -q '2 tracks confirmed'; do :; done
+        dd if=/dev/zero of=/dev/shm/ballast bs=4k 2>/dev/null || true
+        df --output=avail /dev/shm | tail -1
+        wait $chain
+        "#
+    );
+    let Some(ran) = in_small_memory(&bench, 64, &script) else { return };
+    assert_eq!(ran.status.code(), Some(0), "{}", text_of(&ran));
+    let said = String::from_utf8_lossy(&ran.stdout).into_owned();
+    assert_eq!(said.lines().next().map(str::trim), Some("0"), "it was full: {said}");
+    assert_eq!((bench.report().scans, bench.report().lost()), (40, 0));
+    assert!(!Path::new(&bench.root()).exists());
+}

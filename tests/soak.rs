@@ -1,0 +1,122 @@
+//! Soaks: their files, their verdict, their page in a browser, and their comparison.
+
+mod support;
+
+use std::path::Path;
+use std::process::Command;
+
+use common::latency_log;
+use common::report::Report;
+use support::{Bench, output, small_config, text_of};
+
+fn soak(bench: &Bench, out: &str, arguments: &[&str]) -> (std::process::Output, Report) {
+    let mut command = bench.command("soak", &small_config());
+    command.args(["--out", out, "--set", "soak.interval_s=0.2"]).args(arguments);
+    let output = output(&mut command);
+    assert!(bench.path(out).join("report.json").exists(), "{}", text_of(&output));
+    (output, bench.report_at(&format!("{out}/report.json")))
+}
+
+#[test]
+fn a_soak_within_its_limits_ends_well_and_leaves_its_files() {
+    let bench = Bench::new();
+    // Limits that only a broken chain can break: times are for benchmarks.
+    let wide = ["--set", "soak.growth_mib=50", "--budget", "end_to_end=60000000@50"];
+    let wide: Vec<&str> = wide.into_iter().chain(LATENCIES.iter().flat_map(|key| ["--set", key])).collect();
+    let (output, report) =
+        soak(&bench, "soak", &[&["--duration", "6s", "--speed", "1", "--reference"][..], &wide].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output));
+    let soak = report.soak.as_ref().expect("the soak's part");
+    assert!(soak.ok && soak.findings.is_empty());
+    assert!(report.scans >= 20, "{} scans", report.scans);
+    assert!(soak.reference["hop_dwells"].n > 100 && soak.reference["hop_plots"].n > 10, "{:?}", soak.reference);
+    assert!(soak.ratio_to_reference["hop_dwells"] > 0.0);
+    assert!(soak.growth_mib.contains_key("tracker"), "{:?}", soak.growth_mib);
+    assert!(report.books.iter().all(common::report::Book::balances));
+
+    // The intervals of the log are, put together, the histograms of the report.
+    let log = std::fs::read_to_string(bench.path("soak/latency.hlog")).expect("a log");
+    let merged = latency_log::merged(&latency_log::read(&log));
+    for (name, histogram) in merged.named() {
+        assert_eq!(histogram.len(), report.latency_us[name].n, "{name}");
+    }
+    let rows = std::fs::read_to_string(bench.path("soak/resources.csv")).expect("a table");
+    assert!(rows.lines().filter(|line| line.contains(",tracker,")).count() >= 10, "{rows}");
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+
+    let compared = Command::new(env!("CARGO_BIN_EXE_radar-chain"))
+        .arg("compare")
+        .args([bench.path("soak/report.json"), bench.path("soak/report.json")])
+        .output()
+        .expect("comparing");
+    assert_eq!(compared.status.code(), Some(0), "{}", text_of(&compared));
+    look_at(&bench.path("soak/report.html"), &bench.path("shot.png"));
+}
+
+const LATENCIES: [&str; 7] = [
+    "budget.hop_dwells.limit_us=6e7",
+    "budget.extract.limit_us=6e7",
+    "budget.hop_plots.limit_us=6e7",
+    "budget.track.limit_us=6e7",
+    "budget.end_to_end.limit_us=6e7",
+    "budget.scan.limit_us=6e7",
+    "budget.record.limit_us=6e7",
+];
+
+#[test]
+fn a_broken_budget_is_told_with_its_scans() {
+    let bench = Bench::new();
+    let (output, report) = soak(&bench, "soak", &["--scans", "12", "--speed", "4", "--budget", "track=0.001@99.9"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text_of(&output));
+    let soak = report.soak.as_ref().expect("the soak's part");
+    assert!(soak.findings.iter().any(|finding| finding.starts_with("track: p99.9 is")), "{:?}", soak.findings);
+    assert!(text_of(&output).contains("BROKEN track: p99.9"), "{}", text_of(&output));
+
+    let (output, report) =
+        self::soak(&bench, "again", &["--scans", "12", "--speed", "4", "--set", "budget.track.limit_us=0.001"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text_of(&output));
+    let scans: Vec<u32> = report.misses.iter().filter(|miss| miss.latency == "track").map(|miss| miss.scan).collect();
+    assert_eq!(scans, (0..12).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_budget_that_cannot_be_read_is_refused() {
+    let bench = Bench::new();
+    for wrong in ["end_to_end", "end_to_end=3000", "end_to_end=3000@98", "nothing=1@50", "end_to_end=x@99"] {
+        let output = output(bench.command("soak", &small_config()).args(["--budget", wrong]));
+        assert_eq!(output.status.code(), Some(2), "{}", text_of(&output));
+        assert!(text_of(&output).contains("expected NAME=US@PERCENTILE"), "{}", text_of(&output));
+    }
+    let output = output(bench.command("soak", &small_config()).args(["--duration", "soon"]));
+    assert_eq!(output.status.code(), Some(2), "{}", text_of(&output));
+}
+
+/// Opens the page in a browser, where there is one: it must have drawn itself without an error.
+fn look_at(page: &Path, picture: &Path) {
+    let browsers = ["chromium", "chromium-browser", "google-chrome"];
+    let there =
+        |browser: &&&str| Command::new(browser).arg("--version").output().is_ok_and(|said| said.status.success());
+    let Some(browser) = browsers.iter().find(there) else {
+        assert!(std::env::var_os("CI").is_none(), "checks before landing need Chromium for the page of the soak");
+        eprintln!("no Chromium here: the page was not opened");
+        return;
+    };
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let open = |more: &str| {
+        Command::new(browser)
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+            .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+            .arg(format!("--user-data-dir={}", folder.path().display()))
+            .args(["--virtual-time-budget=10000", "--window-size=1280,2400", more])
+            .arg(format!("file://{}", page.display()))
+            .output()
+            .expect("a browser")
+    };
+    let document = String::from_utf8_lossy(&open("--dump-dom").stdout).into_owned();
+    assert!(document.contains("data-ready=\"true\""), "not drawn: {}", &document[..document.len().min(2000)]);
+    assert!(!document.contains("data-error"), "drawn with an error");
+    let drawn = document.matches("<svg").count();
+    assert!(drawn >= 4, "{drawn} charts");
+    open(&format!("--screenshot={}", picture.display()));
+    assert!(std::fs::metadata(picture).is_ok_and(|file| file.len() > 20_000), "a picture of the page");
+}
