@@ -40,7 +40,7 @@ enum Command {
         /// The recording
         file: PathBuf,
     },
-    /// Write topics of a recording as tables or JSON lines
+    /// Write topics of a recording as tables, JSON lines or for viewers
     Export {
         /// The recording
         file: PathBuf,
@@ -50,7 +50,7 @@ enum Command {
         /// Form of the files
         #[arg(long, default_value = "csv")]
         format: FormatArgument,
-        /// Folder of the files, one per topic
+        /// Folder of the files
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
     },
@@ -83,6 +83,10 @@ enum FormatArgument {
     Csv,
     /// JSON lines
     Jsonl,
+    /// MCAP with JSON and its schemas, for viewers: one file for all topics
+    McapJson,
+    /// Parquet
+    Parquet,
 }
 
 fn parse_topic(name: &str) -> Result<Topic, String> {
@@ -103,6 +107,8 @@ fn main() -> ExitCode {
             let format = match format {
                 FormatArgument::Csv => recorder::export::Format::Csv,
                 FormatArgument::Jsonl => recorder::export::Format::JsonLines,
+                FormatArgument::McapJson => recorder::export::Format::McapJson,
+                FormatArgument::Parquet => recorder::export::Format::Parquet,
             };
             commands::export(&file, &topics, format, &out)
         }
