@@ -28,7 +28,7 @@ fn messages() -> Vec<Recorded> {
             range_m: 1000.0 + (seq as f64).sqrt(),
             elevation_rad: 0.1,
             sigma_range_m: 0.1,
-            flags: if index % 2 == 0 { HAS_ELEVATION | HAS_STATISTIC } else { 0 },
+            flags: if index.is_multiple_of(2) { HAS_ELEVATION | HAS_STATISTIC } else { 0 },
             ..Plot::default()
         };
         let header = PlotsHeader { seq, time_ns, session: u64::MAX - 3, ..PlotsHeader::default() };
