@@ -384,7 +384,7 @@ mod tests {
         let before = Instant::now();
         recording.begin("").expect("a file");
         let age = Duration::from_secs(60);
-        let just_before = before + age - Duration::from_nanos(1);
+        let just_before = before + Duration::new(59, 999_999_999);
         recording.keep_up_at(Instant::now() + age, String::new);
         assert_eq!(recording.earlier_parts().len(), 1, "a part without messages goes on");
         for part in 1..4_u64 {
