@@ -64,11 +64,12 @@ impl Window {
     /// # Errors
     /// The recording cannot be read, or holds nothing of this time.
     pub fn narrow(&self, config: &mut ChainConfig) -> Result<(), BadInput> {
-        let bad = |error: &dyn std::fmt::Display| BadInput(error.to_string());
         let driving = config.replay.driving();
-        let mut playback = Playback::open(config).map_err(|error| bad(&error))?;
+        let mut playback = Playback::open(config).map_err(|error| BadInput(error.to_string()))?;
         let (mut start_ns, mut first, mut last) = (None, None, None);
-        while let Some(message) = playback.read().map_err(|error| bad(&error))? {
+        while let Some(message) =
+            playback.read().map_err(|error| BadInput(format!("{}: {error}", config.replay.file)))?
+        {
             let time_ns = message.by_ref().time_ns();
             let Some((scan, place)) = place(&message).filter(|_| message.by_ref().topic() == driving) else { continue };
             let start_ns = *start_ns.get_or_insert(time_ns);
