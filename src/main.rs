@@ -25,6 +25,7 @@ use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use common::config::{self, ChainConfig, Speed};
 use common::process::{BadInput, StageArgs};
+use recorder::window::Window;
 
 use crate::stage::StageName;
 
@@ -120,6 +121,8 @@ struct RunArgs {
     /// Replay a recording through the present stages, with the configuration in it unless --config is given
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
+    #[command(flatten)]
+    window: Window,
     /// Scans to run; 0 until stopped or to the end of the recording
     #[arg(long, value_name = "N")]
     scans: Option<u32>,
@@ -243,16 +246,13 @@ impl RunArgs {
         overrides.extend(self.report.as_ref().map(|file| format!("recorder.report={}", text(file))));
         overrides.extend(more);
         match &self.replay {
+            None if self.window.is_set() => Err(BadInput("--from and --to: expected with --replay".into()).into()),
             None => self.chain.load(overrides),
-            Some(file) if self.chain.config.is_none() => {
-                let recorded = recorder::replay::recorded_config(file)?;
-                Ok(config::adjust(&recorded, &self.chain.all_overrides(overrides))?)
-            }
             Some(file) => {
-                let file = std::path::absolute(file).context("finding the recording")?;
-                overrides.push("run.source=replay".to_string());
-                overrides.push(format!("replay.file={}", text(&file)));
-                self.chain.load(overrides)
+                let overrides = self.chain.all_overrides(overrides);
+                let mut config = recorder::replay::replay_config(file, self.chain.config.as_deref(), overrides)?;
+                self.window.narrow(&mut config)?;
+                Ok(config)
             }
         }
     }

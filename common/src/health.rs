@@ -1,6 +1,7 @@
 //! `health`: what each process says of itself, once a second and at every scan.
 
 use iceoryx2::prelude::ZeroCopySend;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::latency::LATENCIES;
@@ -147,7 +148,7 @@ impl Wish {
 }
 
 /// What a consumer knows of one topic it reads.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/Intake/1")]
 #[repr(C)]
 pub struct Intake {
@@ -162,7 +163,7 @@ pub struct Intake {
 }
 
 /// p50 and p99 of one latency over the run so far.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/LatencySummary/1")]
 #[repr(C)]
 pub struct LatencySummary {
@@ -177,7 +178,7 @@ pub struct LatencySummary {
 }
 
 /// State of one process.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/Health/2")]
 #[repr(C)]
 #[repr(align(64))]

@@ -5,9 +5,9 @@
 //! count where the schedule stands and announces itself by a new `session`, so one
 //! subtraction tells exactly what is missing, whoever failed to deliver it.
 
-use serde::{Deserialize, Serialize};
-
 use iceoryx2::prelude::ZeroCopySend;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// The last message of a scan.
 pub const END_OF_SCAN: u32 = 1;
@@ -20,7 +20,7 @@ pub const TRUNCATED: u32 = 8;
 
 /// CLOCK_MONOTONIC in ns at each hand-over on the way of the last dwell of a sector
 /// through the chain; 0 where a message has not been yet. Only for latency.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/Stamps/1")]
 #[repr(C)]
 pub struct Stamps {
@@ -38,7 +38,7 @@ pub struct Stamps {
 
 /// Which messages of the upstream topic went into a result: the recorder can tell
 /// from successive results, exactly, what a stage has missed or lost by its death.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/Lineage/2")]
 #[repr(C)]
 pub struct Lineage {

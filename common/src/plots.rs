@@ -4,6 +4,7 @@
 //! means loss, and the tracker knows how far the beam's results are complete.
 
 use iceoryx2::prelude::ZeroCopySend;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::message::{Lineage, Stamps};
@@ -16,7 +17,7 @@ pub const HAS_RANGE_RATE: u32 = 2;
 pub const HAS_STATISTIC: u32 = 4;
 
 /// One detection: a cluster of cells over threshold, in polar coordinates about the antenna.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/Plot/1")]
 #[repr(C)]
 pub struct Plot {
@@ -62,7 +63,7 @@ impl Plot {
 }
 
 /// Header of the plots of one sector.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/PlotsHeader/2")]
 #[repr(C)]
 #[repr(align(64))]

@@ -2,6 +2,7 @@
 //! launcher, which creates the services, and by the stages, which open them.
 
 use iceoryx2::prelude::ZeroCopySend;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::dwell::DwellHeader;
@@ -191,7 +192,7 @@ impl Message for HealthReports {
 }
 
 /// Header of a health message: who sent it. The payload is one [`Health`].
-#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/HealthHeader/1")]
 #[repr(C)]
 pub struct HealthHeader {

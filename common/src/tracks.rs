@@ -1,6 +1,7 @@
 //! `tracks`: the tracks that could be brought up to date by the plots of one sector.
 
 use iceoryx2::prelude::ZeroCopySend;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::message::{Lineage, Stamps};
@@ -34,7 +35,7 @@ pub const GATE_UNION: u32 = 4;
 pub const USED_PLOTS: usize = 6;
 
 /// A plot that took part in the last update of a track.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/UsedPlot/1")]
 #[repr(C)]
 pub struct UsedPlot {
@@ -54,7 +55,7 @@ pub struct UsedPlot {
 ///
 /// Order of the states: [x ẋ ẍ y ẏ ÿ z ż z̈]. Covariances are packed upper triangles,
 /// row by row (see [`pack`]). Modes: 0 hover, 1 near-constant velocity, 2 manoeuvre.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/Track/2")]
 #[repr(C)]
 pub struct Track {
@@ -68,9 +69,11 @@ pub struct Track {
     pub mode_state: [f64; STATE],
     /// Covariance of the mixture.
     #[serde(with = "packed")]
+    #[schemars(with = "Vec<f64>")]
     pub covariance: [f64; PACKED],
     /// Covariance of the most probable mode.
     #[serde(with = "packed")]
+    #[schemars(with = "Vec<f64>")]
     pub mode_covariance: [f64; PACKED],
     /// Probabilities of the modes.
     pub mode_probability: [f64; 3],
@@ -158,7 +161,7 @@ pub const fn pack(row: usize, column: usize) -> usize {
 }
 
 /// Header of the tracks of one sector.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/TracksHeader/2")]
 #[repr(C)]
 #[repr(align(64))]

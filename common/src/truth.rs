@@ -1,6 +1,7 @@
 //! `truth`: where the targets really were, once per scan. Only for scoring.
 
 use iceoryx2::prelude::ZeroCopySend;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::tracks::STATE;
@@ -26,7 +27,7 @@ pub const ON_GROUND: u32 = 8;
 pub const PLANAR: u32 = 16;
 
 /// One target at the time the beam passed it (or its own sensor measured it).
-#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/TruthTarget/1")]
 #[repr(C)]
 pub struct TruthTarget {
@@ -40,6 +41,7 @@ pub struct TruthTarget {
     pub state: [f64; STATE],
     /// Mean signal-to-noise ratio at the centre of the beam, dB; NaN when not known.
     #[serde(with = "crate::recording::not_known")]
+    #[schemars(with = "f32")]
     pub snr_db: f32,
     /// [`VISIBLE`] and others.
     pub flags: u32,
@@ -65,7 +67,7 @@ impl TruthTarget {
 }
 
 /// Header of the truth of one scan.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/TruthHeader/1")]
 #[repr(C)]
 #[repr(align(64))]

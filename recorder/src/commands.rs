@@ -10,18 +10,20 @@ use anyhow::Context;
 use common::config::ChainConfig;
 use common::process::{BadInput, EXIT_CHECK_BROKEN};
 use common::recording::container::Reader;
-use common::recording::{self, Messages, Recorded, RecordingError};
+use common::recording::{self, Messages, Recorded, RecordingError, parts_from};
 use common::report::Report;
 use common::services::Topic;
 use recorder::export::{ExportError, Format};
 use recorder::scoring::Scoring;
 use recorder::verify::Verification;
-use recorder::{diff, export, info};
+use recorder::{diff, export, info, replay_process};
 
 /// Says what is in a recording.
 pub(crate) fn info(path: &Path) -> anyhow::Result<ExitCode> {
     let file = open_container(path)?;
-    let text = info::describe(BufReader::with_capacity(1 << 20, file)).map_err(|error| in_file(path, &error))?;
+    let (length, parts) = (file.metadata().map_or(0, |about| about.len()), parts_from(path).len());
+    let input = BufReader::with_capacity(1 << 20, file);
+    let text = info::describe(input, length, parts).map_err(|error| in_file(path, &error))?;
     say(&text)
 }
 
@@ -63,6 +65,18 @@ pub(crate) fn export(path: &Path, topics: &[Topic], format: Format, out: &Path) 
     })?;
     let lines: Vec<String> = files.iter().map(|(file, rows)| format!("{} {rows} rows\n", file.display())).collect();
     say(&lines.concat())
+}
+
+/// Puts recorded topics onto the services.
+pub(crate) fn replay(config: &ChainConfig) -> anyhow::Result<ExitCode> {
+    let first_scan = config.run.first_scan;
+    if first_scan > 0 {
+        // Stages that do not know would count what lies before as lost.
+        common::process::say(&format!(
+            "begins with scan {first_scan}: start the recorder with --set run.first_scan={first_scan}"
+        ));
+    }
+    replay_process::replay(config)
 }
 
 /// Compares two recordings: exit code 0 if they are equal, 1 with the first difference.

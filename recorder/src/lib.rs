@@ -22,5 +22,6 @@ pub mod replay;
 pub mod replay_process;
 pub mod scoring;
 pub mod verify;
+pub mod window;
 
 pub use fold::Fold;

@@ -188,7 +188,10 @@ impl Recording {
     /// Closes the chunk, begins the next part or tries again where that is due. To be called before a message
     /// is counted: `counts` goes into the part that begins with it.
     pub fn keep_up(&mut self, counts: impl FnOnce() -> String) {
-        let now = Instant::now();
+        self.keep_up_at(Instant::now(), counts);
+    }
+
+    fn keep_up_at(&mut self, now: Instant, counts: impl FnOnce() -> String) {
         let Some(part) = &mut self.part else {
             if self.retry_at.is_some_and(|at| now >= at) {
                 self.retry_at = Some(now + RETRY_INTERVAL);
@@ -197,7 +200,10 @@ impl Recording {
             return;
         };
         let has_messages = part.writer.safe_bytes() > part.start;
-        if has_messages && (part.writer.bytes() >= self.limits.part_bytes || now - part.began >= self.limits.part_age) {
+        if has_messages
+            && (part.writer.bytes() >= self.limits.part_bytes
+                || now.saturating_duration_since(part.began) >= self.limits.part_age)
+        {
             self.keep_writing(Writer::flush);
             if let Some(part) = self.part.take() {
                 if let Err(error) = part.writer.finish() {
@@ -208,7 +214,7 @@ impl Recording {
                     self.interrupt(&error);
                 }
             }
-        } else if now - part.flushed >= FLUSH_INTERVAL {
+        } else if now.saturating_duration_since(part.flushed) >= FLUSH_INTERVAL {
             part.flushed = now;
             self.keep_writing(Writer::flush);
         }
@@ -328,4 +334,135 @@ fn is_of_site(path: &Path, site: &str) -> bool {
     let Ok(file) = File::open(path) else { return false };
     let mut reader = Reader::new(std::io::BufReader::new(file));
     reader.description().is_none_or(|description| description.site.is_empty() || description.site == site)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use common::dwell::DwellHeader;
+    use common::plots::PlotsHeader;
+
+    use crate::verify::Verification;
+
+    fn config(folder: &Path) -> ChainConfig {
+        let mut config = ChainConfig::default();
+        config.site.name = "north".into();
+        config.recorder.directory = folder.display().to_string();
+        (config.recorder.rotate_mib, config.recorder.rotate_s, config.recorder.total_mib) = (0, 0, 0);
+        config.recorder.chunk_kib = 64;
+        config
+    }
+
+    /// Writes a dwell of `kib` KiB that does not compress.
+    fn write_noise(recording: &mut Recording, seq: u64, kib: usize) {
+        let mut bits = seq ^ 0x9e37_79b9_7f4a_7c15;
+        let mut next = || {
+            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            f32::from_bits((bits >> 33) as u32)
+        };
+        let cells: Vec<f32> = (0..kib * 256).map(|_| next()).collect();
+        let header = DwellHeader { seq, session: 3, time_ns: 1 + seq, ..DwellHeader::default() };
+        recording.write(RecordedRef::Dwells(&header, &cells));
+    }
+
+    fn verify(parts: &[PathBuf]) -> (String, u64) {
+        let mut verification = Verification::default();
+        for part in parts {
+            let bytes = std::fs::read(part).expect("a part");
+            verification.file(&part.display().to_string(), bytes.len() as u64, bytes.as_slice());
+        }
+        verification.finish()
+    }
+
+    #[test]
+    fn a_part_ends_at_its_age_but_not_before_and_not_empty() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut config = config(folder.path());
+        config.recorder.rotate_s = 60;
+        let mut recording = Recording::new(&config, "1", 3);
+        let before = Instant::now();
+        recording.begin("").expect("a file");
+        let age = Duration::from_secs(60);
+        let just_before = before + Duration::new(59, 999_999_999);
+        recording.keep_up_at(Instant::now() + age, String::new);
+        assert_eq!(recording.earlier_parts().len(), 1, "a part without messages goes on");
+        for part in 1..4_u64 {
+            let header = PlotsHeader { seq: part - 1, session: 3, time_ns: part, ..PlotsHeader::default() };
+            recording.write(RecordedRef::Plots(&header, &[]));
+            recording.keep_writing(Writer::flush);
+            if part == 1 {
+                recording.keep_up_at(just_before, String::new);
+                assert_eq!(recording.earlier_parts().len(), 1);
+            }
+            recording.keep_up_at(Instant::now() + age, String::new);
+            assert_eq!(recording.earlier_parts().len() as u64, 1 + part);
+        }
+        assert_eq!(recording.finish(String::new).parts, 4);
+        let (text, findings) = verify(&recording.earlier_parts());
+        assert_eq!(findings, 0, "{text}");
+    }
+
+    #[test]
+    fn a_part_ends_at_its_size() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut config = config(folder.path());
+        config.recorder.rotate_mib = 1;
+        let mut recording = Recording::new(&config, "1", 3);
+        recording.begin("").expect("a file");
+        for seq in 0..30 {
+            recording.keep_up(String::new);
+            write_noise(&mut recording, seq, 128);
+        }
+        recording.finish(String::new);
+        let parts = recording.earlier_parts();
+        assert_eq!(parts.len(), 4, "30 times 128 KiB");
+        for part in &parts[..3] {
+            let bytes = std::fs::metadata(part).expect("a part").len();
+            assert!((1 << 20..(1 << 20) + (192 << 10)).contains(&bytes), "{bytes}");
+        }
+        let (text, findings) = verify(&parts);
+        assert_eq!(findings, 0, "{text}");
+    }
+
+    #[test]
+    fn the_oldest_files_of_the_site_go_until_all_are_within_the_total() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        let config = config(folder.path());
+        // Recordings of 250 KiB and what describes them, named against their age.
+        for (name, age_s) in [("c", 300), ("b", 200), ("a", 100)] {
+            let mut recording = Recording::new(&config, name, 3);
+            recording.begin("").expect("a file");
+            write_noise(&mut recording, 0, 250);
+            recording.finish(String::new);
+            let file = File::options().write(true).open(path(&format!("north-{name}.000.mcap"))).expect("a file");
+            file.set_modified(SystemTime::now() - Duration::from_secs(age_s)).expect("a time");
+        }
+        // Not of this site: one that only begins with its name, and one that is no recording.
+        let mut other = config.clone();
+        other.site.name = "north-east".into();
+        let mut recording = Recording::new(&other, "1", 3);
+        recording.begin("").expect("a file");
+        write_noise(&mut recording, 0, 250);
+        recording.finish(String::new);
+        std::fs::write(path("north-notes.txt"), vec![0; 1 << 20]).expect("written");
+
+        let mut limited = config;
+        limited.recorder.total_mib = 1;
+        let mut recording = Recording::new(&limited, "new", 4);
+        recording.begin("").expect("a file");
+        let left = || ["c", "b", "a"].map(|name| path(&format!("north-{name}.000.mcap")).exists());
+        assert_eq!(left(), [true; 3], "750 KiB are within the limit");
+        for (seq, expected) in [(0, [false, true, true]), (1, [false, false, true]), (2, [false; 3])] {
+            write_noise(&mut recording, seq, 250);
+            recording.keep_up(String::new);
+            assert_eq!(left(), expected, "{} KiB of its own", (seq + 1) * 250);
+        }
+        write_noise(&mut recording, 3, 600); // more than all: the one being written stays
+        recording.keep_up(String::new);
+        assert_eq!(recording.finish(String::new).removed, 3);
+        assert!(path("north-new.000.mcap").exists() && path("north-notes.txt").exists());
+        assert!(path("north-east-1.000.mcap").exists());
+    }
 }

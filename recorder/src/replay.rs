@@ -21,7 +21,7 @@ pub struct Playback {
     topics: Vec<Topic>,
     /// Scans from the first to the last one, which is left out.
     scans: (u32, u32),
-    /// The topic that drives the chain: the first in the order of processing.
+    /// The topic that drives the chain.
     driving: Topic,
     ready: VecDeque<Recorded>,
 }
@@ -46,7 +46,7 @@ impl Playback {
     }
 
     /// The next message that was asked for, in the order of the recording.
-    fn read(&mut self) -> Result<Option<Recorded>, RecordingError> {
+    pub(crate) fn read(&mut self) -> Result<Option<Recorded>, RecordingError> {
         loop {
             let Some(messages) = &mut self.messages else {
                 let Some(part) = self.parts.pop_front() else { return Ok(None) };
@@ -125,6 +125,19 @@ fn mark_end(message: &mut Recorded, last: bool) {
 pub(crate) fn lineage_again(recorded: &Lineage, taken_in_session: &mut u64, published: u64) -> Lineage {
     *taken_in_session += recorded.taken;
     Lineage { session: 0, taken_in_session: *taken_in_session, published_before: published, ..*recorded }
+}
+
+/// The configuration of a replay of the recording `file`: that of the file `config`, or else that of the recorded run
+/// (see [`recorded_config`]), with `overrides` applied.
+///
+/// # Errors
+/// Those of [`recorded_config`] and [`config::load`].
+pub fn replay_config(file: &Path, config: Option<&Path>, mut overrides: Vec<String>) -> anyhow::Result<ChainConfig> {
+    let Some(config) = config else { return Ok(config::adjust(&recorded_config(file)?, &overrides)?) };
+    let file = std::path::absolute(file)?;
+    overrides.push("run.source=replay".to_string());
+    overrides.push(format!("replay.file='''{}'''", file.display()));
+    Ok(config::load(Some(config), &overrides)?)
 }
 
 /// The configuration of the recorded run, turned into one that replays it: from the recording `path`, with a place in

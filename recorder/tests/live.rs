@@ -9,8 +9,9 @@ use common::config::{self, ChainConfig};
 use common::ipc::{Publisher, Station};
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, Stamps};
 use common::plots::{Plot, PlotsHeader};
+use common::recording::Recorded;
 use common::report::Report;
-use common::services::{Consumer, MAX_PLOTS, MAX_TARGETS, MAX_TRACKS, Plots, Tracks, Truth};
+use common::services::{Consumer, MAX_PLOTS, MAX_TARGETS, MAX_TRACKS, Plots, Topic, Tracks, Truth};
 use common::time::monotonic_ns;
 use common::tracks::{CONFIRMED, Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget, VISIBLE};
@@ -21,6 +22,11 @@ const DEADLOCK: Duration = Duration::from_secs(20);
 
 /// iceoryx2 has one domain per process: the tests of this file share it, one after the other.
 static DOMAIN: Mutex<()> = Mutex::new(());
+
+/// Measurement time of a position, ns UTC.
+fn time_ns(seq: u64) -> u64 {
+    1_700_000_000_000_000_000 + (seq + 1) * 1_000_000_000 / SECTORS
+}
 
 /// A chain of this test, in a folder of its own.
 struct Chain {
@@ -48,9 +54,10 @@ impl Chain {
         Self { _alone: alone, folder, settings, config, station }
     }
 
-    fn recorder(&self) -> Recorder {
+    /// A recorder with more settings.
+    fn recorder(&self, more: &[&str]) -> Recorder {
         let mut command = Command::new(env!("CARGO_BIN_EXE_recorder"));
-        for setting in &self.settings {
+        for setting in self.settings.iter().map(String::as_str).chain(more.iter().copied()) {
             command.args(["--set", setting]);
         }
         Recorder(command.spawn().expect("the recorder starts"))
@@ -101,7 +108,7 @@ impl Stages {
     fn publish(&self, from: u64, to: u64, end: u64) {
         for seq in from..to {
             let (scan, sector) = ((seq / SECTORS) as u32, (seq % SECTORS) as u32);
-            let time_ns = 1_700_000_000_000_000_000 + (seq + 1) * 1_000_000_000 / SECTORS;
+            let time_ns = time_ns(seq);
             let last_of_scan = if u64::from(sector) == SECTORS - 1 { END_OF_SCAN } else { 0 };
             let flags = last_of_scan | if seq + 1 == end { END_OF_STREAM } else { 0 };
             let state = [1000.0, 0.0, 0.0, 0.0, 0.0, 0.0, 50.0, 0.0, 0.0];
@@ -204,7 +211,7 @@ fn name(path: &Path) -> &str {
 #[test]
 fn a_whole_run_is_recorded_and_reported() {
     let chain = Chain::new();
-    let mut child = chain.recorder();
+    let mut child = chain.recorder(&[]);
     let end = 20 * SECTORS;
     let stages = Stages::new(&chain.station);
     stages.publish(0, end, end);
@@ -242,9 +249,55 @@ fn a_whole_run_is_recorded_and_reported() {
 }
 
 #[test]
+fn a_part_of_a_recording_goes_out_again_and_nothing_before_it_counts_as_lost() {
+    let chain = Chain::new();
+    let end = 20 * SECTORS;
+    {
+        let mut child = chain.recorder(&[]);
+        let stages = Stages::new(&chain.station);
+        stages.publish(0, end, end);
+        stages.linger();
+        assert_eq!(child.wait().code(), Some(0));
+    }
+    let mut child = chain.recorder(&["run.id=again", "run.first_scan=5"]);
+    let file = chain.part(0);
+    // Scan 5 begins 5 s after the first message; 9.9 s after it is in scan 9.
+    let mut arguments = vec!["replay", name(&file), "--topics", "plots,tracks,truth", "--from", "5", "--to", "9.9"];
+    arguments.extend(["--speed", "max", "--ipc-prefix", &chain.config.ipc.prefix]);
+    let (code, _, errors) = recorder(&arguments);
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(errors.contains("--set run.first_scan=5"), "{errors}");
+    assert_eq!(child.wait().code(), Some(0));
+
+    let report = chain.report();
+    let again = 5 * SECTORS;
+    assert_eq!((report.messages["plots"], report.messages["tracks"], report.messages["truth"]), (again, again, 5));
+    assert_eq!(report.lost(), 0, "{:?}", report.loss);
+    // What went out is what was recorded, but for stamps and the mark at the end.
+    let of_window = |path: &Path| -> Vec<(Topic, u64, usize)> {
+        let messages = common::recording::open(path).expect("a recording").map(|message| message.expect("a message"));
+        let described = messages.filter(|message| !matches!(message, Recorded::Health(..))).map(|message| {
+            let message = message.by_ref();
+            (message.topic(), message.time_ns(), message.len())
+        });
+        let mut described: Vec<_> = described.collect();
+        described.sort_unstable();
+        described
+    };
+    let mut recorded = of_window(&file);
+    let (start, stop) = (time_ns(5 * SECTORS), time_ns(10 * SECTORS - 1));
+    recorded.retain(|&(_, time_ns, _)| (start..=stop).contains(&time_ns));
+    let folder = file.parent().expect("a folder");
+    assert_eq!(of_window(&folder.join(format!("{}-again.000.mcap", chain.config.site.name))), recorded);
+
+    let (code, _, errors) = recorder(&["replay", name(&file), "--from", "1000"]);
+    assert!(code == Some(2) && errors.contains("holds no whole scan of plots of this time"), "{errors}");
+}
+
+#[test]
 fn a_recorder_killed_and_restarted_reports_the_whole_run_and_its_own_loss() {
     let chain = Chain::new();
-    let mut child = chain.recorder();
+    let mut child = chain.recorder(&[]);
     let end = 60 * SECTORS;
     let stages = Stages::new(&chain.station);
     stages.publish(0, 20 * SECTORS, end);
@@ -256,7 +309,7 @@ fn a_recorder_killed_and_restarted_reports_the_whole_run_and_its_own_loss() {
     let (code, text, _) = recorder(&["info", name(&chain.part(0))]);
     assert!(code == Some(0) && text.contains("cut: readable up to its last whole chunk"), "{text}");
 
-    let mut child = chain.recorder();
+    let mut child = chain.recorder(&[]);
     stages.publish(30 * SECTORS, end, end);
     stages.linger();
     assert_eq!(child.wait().code(), Some(0));

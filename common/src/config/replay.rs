@@ -25,9 +25,9 @@ impl Default for ReplayConfig {
 }
 
 impl ReplayConfig {
-    /// The topic that drives the chain.
+    /// The topic that drives the chain: the last one in the order of processing, whose end the stages after it wait for.
     pub fn driving(&self) -> Topic {
-        let stages = [Topic::Dwells, Topic::Plots, Topic::Tracks];
+        let stages = [Topic::Tracks, Topic::Plots, Topic::Dwells];
         stages.into_iter().find(|topic| self.topics.contains(topic)).unwrap_or(Topic::Plots)
     }
 

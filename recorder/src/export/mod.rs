@@ -1,0 +1,143 @@
+//! Recordings as tables (CSV, Parquet), as JSON lines, and as MCAP with JSON for viewers.
+//!
+//! ```text
+//! messages ──▶ rows ──▶ CSV, Parquet: one file per topic, one row per element
+//!     ├──────▶ JSON lines:            one file per topic, one line per message
+//!     └──────▶ MCAP with JSON:        one file, one channel per topic
+//! ```
+
+mod csv_table;
+mod mcap_json;
+mod parquet_table;
+mod rows;
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use common::recording::{Recorded, RecordedRef, RecordingError, jsonl};
+use common::services::Topic;
+
+use csv_table::CsvTable;
+use mcap_json::McapJson;
+use parquet_table::ParquetTable;
+
+/// Form of the files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Comma-separated values.
+    Csv,
+    /// JSON lines, which read back as a recording.
+    JsonLines,
+    /// MCAP with JSON messages and their JSON Schemas, for viewers.
+    McapJson,
+    /// Parquet tables, with the columns of the CSV.
+    Parquet,
+}
+
+impl Format {
+    /// The files in this form and the topics in each.
+    fn files(self, topics: &[Topic]) -> Vec<(String, Vec<Topic>)> {
+        let extension = match self {
+            Self::McapJson => return vec![("messages.mcap".into(), topics.to_vec())],
+            Self::Csv => "csv",
+            Self::JsonLines => "jsonl",
+            Self::Parquet => "parquet",
+        };
+        topics.iter().map(|&topic| (format!("{}.{extension}", topic.name()), vec![topic])).collect()
+    }
+}
+
+/// Why an export stops.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The recording cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// A file cannot be written.
+    #[error("cannot write {}: {message}", path.display())]
+    Write {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        message: String,
+    },
+    /// Dwells have none of the forms.
+    #[error("topic `dwells` has no text form: 10⁹ bytes per second")]
+    Dwells,
+}
+
+/// Writes the messages of `topics` into `directory`; returns the files with their numbers of rows, lines or messages.
+///
+/// # Errors
+/// [`ExportError`].
+pub fn export(
+    messages: impl Iterator<Item = Result<Recorded, RecordingError>>,
+    topics: &[Topic],
+    format: Format,
+    directory: &Path,
+) -> Result<Vec<(PathBuf, u64)>, ExportError> {
+    if topics.contains(&Topic::Dwells) {
+        return Err(ExportError::Dwells);
+    }
+    let failed = |path: &Path, error: &dyn std::fmt::Display| ExportError::Write {
+        path: path.to_path_buf(),
+        message: error.to_string(),
+    };
+    std::fs::create_dir_all(directory).map_err(|error| failed(directory, &error))?;
+    let mut outputs = Vec::new();
+    for (name, topics) in format.files(topics) {
+        let path = directory.join(name);
+        let sink = create(&path, &topics, format).map_err(|error| failed(&path, &error))?;
+        outputs.push(Output { path, topics, written: 0, sink });
+    }
+    for message in messages {
+        let message = message?;
+        let message = message.by_ref();
+        if let Some(output) = outputs.iter_mut().find(|output| output.topics.contains(&message.topic())) {
+            output.written += output.sink.write(message).map_err(|error| failed(&output.path, &error))?;
+        }
+    }
+    let close = |output: Output| match output.sink.finish() {
+        Ok(()) => Ok((output.path, output.written)),
+        Err(error) => Err(failed(&output.path, &error)),
+    };
+    outputs.into_iter().map(close).collect()
+}
+
+/// One file.
+struct Output {
+    path: PathBuf,
+    topics: Vec<Topic>,
+    written: u64,
+    sink: Box<dyn Sink>,
+}
+
+/// Where messages go.
+trait Sink {
+    /// Appends a message; returns how many rows, lines or messages that were.
+    fn write(&mut self, message: RecordedRef<'_>) -> Result<u64, RecordingError>;
+
+    /// Closes the file.
+    fn finish(self: Box<Self>) -> Result<(), RecordingError>;
+}
+
+fn create(path: &Path, topics: &[Topic], format: Format) -> Result<Box<dyn Sink>, RecordingError> {
+    let file = File::create(path)?;
+    Ok(match (format, topics) {
+        (Format::Csv, &[topic]) => Box::new(CsvTable::create(file, topic)?),
+        (Format::Parquet, &[topic]) => Box::new(ParquetTable::create(file, topic)?),
+        (Format::McapJson, topics) => Box::new(McapJson::create(BufWriter::new(file), topics)?),
+        (_, _) => Box::new(jsonl::Writer::new(BufWriter::new(file))),
+    })
+}
+
+impl Sink for jsonl::Writer<BufWriter<File>> {
+    fn write(&mut self, message: RecordedRef<'_>) -> Result<u64, RecordingError> {
+        jsonl::Writer::write(self, message).map(|()| 1)
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), RecordingError> {
+        jsonl::Writer::finish(*self)
+    }
+}
