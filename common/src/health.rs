@@ -229,8 +229,10 @@ pub struct Health {
     pub slow_steps: u32,
     /// Real-time wishes that the system has refused, one bit each by [`Wish`].
     pub refused: u32,
+    /// Resident memory that no other process shares, KiB.
+    pub private_kib: u32,
     /// Always 0: no undefined bytes.
-    pub reserved: [u32; 2],
+    pub reserved: u32,
 }
 
 const _: () = assert!(size_of::<Health>() == 576 && align_of::<Health>() == 64);

@@ -200,7 +200,9 @@ impl HealthReporter {
     pub fn publish(&mut self) -> Result<(), IpcError> {
         self.health.heartbeat_ns = monotonic_ns();
         self.health.cpu_ns = process_cpu_ns();
-        self.health.rss_bytes = resident_bytes();
+        let (resident, private) = resident_bytes();
+        self.health.rss_bytes = resident;
+        self.health.private_kib = (private >> 10) as u32;
         self.health.files = open_files();
         self.watchdog.describe(&mut self.health);
         let header = HealthHeader { session: self.health.session, seq: self.health.seq };

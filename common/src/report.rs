@@ -168,7 +168,7 @@ pub struct Soak {
     pub findings: Vec<String>,
     /// Latencies over the run in equally long blocks, by name.
     pub blocks: BTreeMap<String, Blocks>,
-    /// Resident memory gained after warm-up, by process, MiB; not of processes that were restarted.
+    /// Private resident memory gained after warm-up, by process, MiB; not of processes that were restarted.
     pub growth_mib: BTreeMap<String, f64>,
     /// The bare hop measured beside the run, by the latency it is compared with, µs.
     pub reference: BTreeMap<String, Percentiles>,

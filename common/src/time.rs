@@ -14,11 +14,15 @@ pub fn process_cpu_ns() -> u64 {
     used.tv_sec as u64 * 1_000_000_000 + used.tv_nsec as u64
 }
 
-/// Resident memory of this process, bytes; 0 where the kernel does not say.
-pub fn resident_bytes() -> u64 {
-    let pages =
-        std::fs::read_to_string("/proc/self/statm").ok().and_then(|statm| statm.split(' ').nth(1)?.parse::<u64>().ok());
-    pages.unwrap_or(0) * rustix::param::page_size() as u64
+/// Resident memory of this process, bytes: all of it, and what no other process shares; 0 where the kernel does not say.
+pub fn resident_bytes() -> (u64, u64) {
+    let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    let pages: Vec<u64> = statm.split(' ').skip(1).take(2).filter_map(|field| field.parse().ok()).collect();
+    let page = rustix::param::page_size() as u64;
+    match pages[..] {
+        [resident, shared] => (resident * page, resident.saturating_sub(shared) * page),
+        _ => (0, 0),
+    }
 }
 
 /// Open file descriptors of this process; 0 where the kernel does not say.

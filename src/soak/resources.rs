@@ -23,6 +23,8 @@ pub(super) struct Row {
     pub(super) pid: u32,
     pub(super) scan: u32,
     pub(super) rss_bytes: u64,
+    /// What no other process shares.
+    pub(super) private_bytes: u64,
     pub(super) files: u32,
     pub(super) cpu_share: f64,
     pub(super) plots: u32,
@@ -59,6 +61,7 @@ impl Resources {
                 pid: health.pid,
                 scan: health.scan,
                 rss_bytes: health.rss_bytes,
+                private_bytes: u64::from(health.private_kib) << 10,
                 files: health.files,
                 cpu_share,
                 plots: health.plots,
@@ -90,8 +93,8 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// Resident memory gained after the first share `warm_up` of the run, MiB: median of the last tenth less median
-    /// of the tenth after warm-up. Processes that were restarted, and runs too short to tell, have none.
+    /// Private memory gained after the first share `warm_up` of the run, MiB: median of the last tenth less median
+    /// of the tenth after warm-up. Shared memory is reserved at the start and cannot grow; what a process has touched of it can. Processes that were restarted, and runs too short to tell, have none.
     pub(super) fn growth_mib(&self, warm_up: f64) -> BTreeMap<String, f64> {
         let growth = |rows: &Vec<Row>| {
             let (count, end) = (rows.len(), rows.last()?.t_s);
@@ -100,7 +103,7 @@ impl Series {
             }
             let within = |from: f64, to: f64| {
                 let chosen = rows.iter().filter(|row| (from * end..=to * end).contains(&row.t_s));
-                let mut values: Vec<u64> = chosen.map(|row| row.rss_bytes).collect();
+                let mut values: Vec<u64> = chosen.map(|row| row.private_bytes).collect();
                 values.sort_unstable();
                 values.get(values.len() / 2).map(|&bytes| bytes as f64 / MIB)
             };
@@ -125,7 +128,8 @@ mod tests {
             process: "tracker".into(),
             pid: pid(k),
             scan: k,
-            rss_bytes: (rss_mib(k) * MIB) as u64,
+            rss_bytes: 0,
+            private_bytes: (rss_mib(k) * MIB) as u64,
             files: 3,
             cpu_share: 0.1,
             plots: 0,

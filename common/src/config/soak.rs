@@ -14,7 +14,7 @@ pub struct SoakConfig {
     pub interval_s: f64,
     /// The first share of a run is warm-up: memory growth is measured from its end.
     pub warm_up: f64,
-    /// Resident memory that a process may gain after warm-up, MiB.
+    /// Private resident memory that a process may gain after warm-up, MiB.
     pub growth_mib: f64,
     /// Where latency histograms by interval are written, in the log format of HdrHistogram; empty for nowhere.
     pub log: String,
