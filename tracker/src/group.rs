@@ -105,8 +105,9 @@ fn outcome(
     let mut alone: [f64; MODES] = std::array::from_fn(|j| mode_none[j] * likelihood[j]);
     for (candidate, weight) in workspace.candidates.iter().zip(&workspace.weights) {
         if candidate.ratio > 0.0 {
+            let rivalry = candidate.alone / candidate.ratio;
             for j in 0..MODES {
-                alone[j] += weight[j] * likelihood[j] * candidate.alone / candidate.ratio;
+                alone[j] += weight[j] * likelihood[j] * rivalry;
             }
         }
     }

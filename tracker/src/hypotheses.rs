@@ -309,7 +309,7 @@ fn compared_covariance(gaussian: &Gaussian) -> SMatrix<f64, COMPARED, COMPARED> 
 }
 
 /// ln Σ exp.
-fn ln_sum(values: impl Iterator<Item = f64> + Clone) -> f64 {
+pub(crate) fn ln_sum(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let largest = values.clone().fold(f64::NEG_INFINITY, f64::max);
     if largest == f64::NEG_INFINITY {
         return largest;

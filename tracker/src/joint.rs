@@ -8,9 +8,14 @@
 //! of what it would be worth to τ alone. Of the events in which the same tracks are detected by the same plots, only the best
 //! permutation counts: without that, PDA draws tracks of near targets together (Blom & Bloem 2000, JPDA*).
 //!
+//! A tentative track gets nothing of a plot that a confirmed one explains: else the few plots that fit the track of a strong target
+//! badly, of which there are some in a minute, would confirm every faint start around it, as they are no false plots for certain.
+//!
 //! Only plots that τ itself could have caused take part, and what a rival finds elsewhere counts as none: so events
 //! stay few. The predictions of all tracks are those before the scan, and what is known of those updated by one message is
 //! what was known before it, so the order of processing does not matter.
+//!
+//! All weights are logarithms: the λ of a strong plot is as large as a number can be, and a product of some of them larger.
 
 use std::f64::consts::TAU;
 
@@ -18,6 +23,7 @@ use common::amplitude::TargetStatistics;
 
 use crate::association::FalsePlots;
 use crate::gate::Radar;
+use crate::hypotheses::ln_sum;
 use crate::imm::Imm;
 use crate::measurement::{COORDINATES, Expected, Measurement};
 use crate::motion::{CONSTANT_VELOCITY, MODES};
@@ -26,14 +32,19 @@ use crate::track::{LiveTrack, Passage};
 
 /// Rivals that are taken into account at once: those that claim most.
 const MOST_RIVALS: usize = 3;
+/// Rivals that are asked what they claim: the nearest.
+const MOST_NEAR: usize = 6;
 /// Plots that are shared out at once: those that are most probably τ's.
 const MOST_PLOTS: usize = 8;
 /// g below which a plot is not τ's.
 const LEAST_RATIO: f64 = 1e-3;
-/// g that a single plot can have at most.
-const MOST_RATIO: f64 = 1e100;
-/// A share is at least this: nothing, but what the plot would be worth without rivals can still be told from the product.
-const LEAST_SHARE: f64 = 1e-30;
+/// Squared distance from what a mode expects, in standard deviations, beyond which a plot is not its own, however strong.
+const FARTHEST: f64 = 64.0;
+/// A share is at least this: too little for a plot of the largest λ ([`common::amplitude::MAX_RATIO`]) to count, and more than
+/// nothing, so that what the plot would be worth without rivals can still be told from the product.
+const LEAST_SHARE: f64 = 1e-300;
+/// Weight with a confirmed track from which a plot is no evidence for a tentative one, nor starts one (T18).
+pub const EXPLAINED: f64 = 0.2;
 /// Tracks nearer than this may want the same plots, cells of range.
 const RIVAL_CELLS: f64 = 5.0;
 /// Passages nearer than this belong to the same turn, turns.
@@ -52,13 +63,15 @@ pub struct Claimant<'a> {
     pub detection_probability: f64,
     /// Statistics of its power; without, λ = 1.
     pub target: Option<&'a TargetStatistics>,
+    /// Whether it must leave the plots that explain a rival to that.
+    pub is_tentative: bool,
 }
 
 /// Room for sharing out plots, reused.
 #[derive(Debug, Default)]
 pub struct Sharing {
-    /// g of the plots at hand for τ.
-    own: Vec<f64>,
+    /// ln g of the plots at hand, of the track at hand.
+    ln_ratios: Vec<f64>,
     /// Indices of the plots that are shared out.
     wanted: Vec<usize>,
     claims: Vec<Claim>,
@@ -68,10 +81,10 @@ pub struct Sharing {
 /// What one track has to do with the plots that are shared out.
 #[derive(Debug, Clone, Copy)]
 struct Claim {
-    /// b, what it finds elsewhere included.
-    none: f64,
-    /// g by wanted plot.
-    ratio: [f64; MOST_PLOTS],
+    /// ln b, what it finds elsewhere included.
+    ln_none: f64,
+    /// ln g by wanted plot.
+    ln_ratio: [f64; MOST_PLOTS],
 }
 
 /// A joint event: which tracks are detected, by which plots, and what τ gets.
@@ -79,7 +92,7 @@ struct Claim {
 struct Event {
     detected: u32,
     plots: u32,
-    weight: f64,
+    ln_weight: f64,
     /// Index of τ's plot; `MOST_PLOTS` for none.
     own: usize,
 }
@@ -95,21 +108,25 @@ impl Sharing {
         inflation: f64,
         shares: &mut Vec<f64>,
     ) {
+        let gives_way = own.is_tentative;
         let mut rivals = rivals.peekable();
         if plots.is_empty() || rivals.peek().is_none() {
             return;
         }
-        own.ratios(plots, &clutter, inflation, &mut self.own);
+        own.ln_ratios(plots, &clutter, inflation, &mut self.ln_ratios);
         self.wanted.clear();
-        self.wanted.extend((0..plots.len()).filter(|&m| self.own[m] > LEAST_RATIO));
-        let by_own = &self.own;
+        self.wanted.extend((0..plots.len()).filter(|&m| self.ln_ratios[m] > LEAST_RATIO.ln()));
+        let by_own = &self.ln_ratios;
         self.wanted.sort_unstable_by(|&a, &b| by_own[b].total_cmp(&by_own[a]).then(a.cmp(&b)));
         self.wanted.truncate(MOST_PLOTS);
+        if self.wanted.is_empty() {
+            return;
+        }
         self.claims.clear();
-        self.claims.push(Claim::new(own, &self.own, &self.wanted));
+        self.claims.push(Claim::new(own, &self.ln_ratios, &self.wanted));
         for rival in rivals {
-            rival.ratios(plots, &clutter, inflation, &mut self.own);
-            let claim = Claim::new(&rival, &self.own, &self.wanted);
+            rival.ln_ratios(plots, &clutter, inflation, &mut self.ln_ratios);
+            let claim = Claim::new(&rival, &self.ln_ratios, &self.wanted);
             if claim.strength() > LEAST_RATIO {
                 self.claims.push(claim);
             }
@@ -120,74 +137,85 @@ impl Sharing {
         self.claims[1..].sort_unstable_by(|a, b| b.strength().total_cmp(&a.strength()));
         self.claims.truncate(1 + MOST_RIVALS);
         self.events.clear();
-        extend(
-            &self.claims,
-            self.wanted.len(),
-            Event { detected: 0, plots: 0, weight: 1.0, own: MOST_PLOTS },
-            0,
-            &mut self.events,
-        );
+        let nobody = Event { detected: 0, plots: 0, ln_weight: 0.0, own: MOST_PLOTS };
+        extend(&self.claims, self.wanted.len(), nobody, 0, &mut self.events);
         keep_best_permutations(&mut self.events);
-        let own = self.claims[0];
-        let mut sums = [0.0; MOST_PLOTS + 1];
-        for event in &self.events {
-            sums[event.own] += event.weight;
-        }
-        let none = sums[MOST_PLOTS] / own.none;
+        let (own, rivals) = self.claims.split_first().expect("τ and a rival");
+        let ln_weight_of = |plot: usize| {
+            ln_sum(self.events.iter().filter(move |event| event.own == plot).map(|event| event.ln_weight))
+        };
+        let ln_none = ln_weight_of(MOST_PLOTS) - own.ln_none;
         let first = shares.len();
         shares.resize(first + plots.len(), 1.0);
         for (index, &plot) in self.wanted.iter().enumerate() {
-            let share = sums[index] / own.ratio[index] / none;
-            shares[first + plot] = if share.is_finite() { share.max(LEAST_SHARE) } else { 1.0 };
+            let share = (ln_weight_of(index) - own.ln_ratio[index] - ln_none).exp();
+            shares[first + plot] = if gives_way && rivals.iter().any(|rival| rival.weight(index) > EXPLAINED) {
+                LEAST_SHARE
+            } else if share.is_finite() {
+                share.max(LEAST_SHARE)
+            } else {
+                1.0
+            };
         }
     }
 }
 
 impl Claimant<'_> {
-    /// g of every plot.
-    fn ratios(
+    /// ln g of every plot.
+    fn ln_ratios(
         &self,
         plots: &[Measurement],
         clutter: &impl Fn(&[f64; COORDINATES]) -> FalsePlots,
         inflation: f64,
-        ratios: &mut Vec<f64>,
+        ln_ratios: &mut Vec<f64>,
     ) {
         let expected: [Expected; MODES] = std::array::from_fn(|j| Expected::new(j, &self.prediction.modes[j]));
-        ratios.clear();
-        ratios.extend(plots.iter().map(|plot| {
+        ln_ratios.clear();
+        ln_ratios.extend(plots.iter().map(|plot| {
             let offset_s = common::units::seconds_between(self.time_ns, plot.time_ns);
             let mut density = 0.0;
             for (expected, weight) in expected.iter().zip(self.prediction.probability) {
                 if let Some(likelihood) = expected.likelihood(plot, inflation) {
                     let d = expected.innovation(plot, offset_s);
-                    density += weight * likelihood.ln_density(d, likelihood.solve(d)).exp();
+                    let y = likelihood.solve(d);
+                    if d.iter().zip(y).map(|(d, y)| d * y).sum::<f64>() < FARTHEST {
+                        density += weight * likelihood.ln_density(d, y).exp();
+                    }
                 }
+            }
+            if density <= 0.0 {
+                return f64::NEG_INFINITY;
             }
             let here = clutter(&plot.polar);
             let ratio = match self.target {
                 Some(target) if plot.has_power => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
                 _ => 1.0,
             };
-            (self.existence * self.detection_probability * density * ratio / here.density).min(MOST_RATIO)
+            (self.existence * self.detection_probability * density / here.density).ln() + ratio.ln()
         }));
     }
 }
 
 impl Claim {
-    fn new(claimant: &Claimant<'_>, ratios: &[f64], wanted: &[usize]) -> Self {
-        let mut ratio = [0.0; MOST_PLOTS];
-        for (own, &plot) in ratio.iter_mut().zip(wanted) {
-            *own = ratios[plot];
+    fn new(claimant: &Claimant<'_>, ln_ratios: &[f64], wanted: &[usize]) -> Self {
+        let mut ln_ratio = [f64::NEG_INFINITY; MOST_PLOTS];
+        for (own, &plot) in ln_ratio.iter_mut().zip(wanted) {
+            *own = ln_ratios[plot];
         }
-        let elsewhere: f64 =
-            ratios.iter().enumerate().filter(|(plot, _)| !wanted.contains(plot)).map(|(_, ratio)| ratio).sum();
-        Self { none: 1.0 - claimant.existence * claimant.detection_probability + elsewhere, ratio }
+        let missed = (1.0 - claimant.existence * claimant.detection_probability).ln();
+        let elsewhere =
+            ln_ratios.iter().enumerate().filter(|(plot, _)| !wanted.contains(plot)).map(|(_, ln_ratio)| *ln_ratio);
+        Self { ln_none: ln_sum(elsewhere.chain([missed])), ln_ratio }
+    }
+
+    /// How probably a plot is its own, as if there were no other tracks.
+    fn weight(&self, plot: usize) -> f64 {
+        (self.ln_ratio[plot] - ln_sum(self.ln_ratio.into_iter().chain([self.ln_none]))).exp()
     }
 
     /// How probably it takes one of the plots that are shared out.
     fn strength(&self) -> f64 {
-        let sum: f64 = self.ratio.iter().sum();
-        sum / (self.none + sum)
+        1.0 / (1.0 + (self.ln_none - ln_sum(self.ln_ratio.into_iter())).exp())
     }
 }
 
@@ -197,12 +225,12 @@ fn extend(claims: &[Claim], plots: usize, event: Event, track: usize, events: &m
         events.push(event);
         return;
     };
-    extend(claims, plots, Event { weight: event.weight * claim.none, ..event }, track + 1, events);
-    for plot in (0..plots).filter(|plot| event.plots & (1 << plot) == 0 && claim.ratio[*plot] > 0.0) {
+    extend(claims, plots, Event { ln_weight: event.ln_weight + claim.ln_none, ..event }, track + 1, events);
+    for plot in (0..plots).filter(|plot| event.plots & (1 << plot) == 0 && claim.ln_ratio[*plot] > f64::NEG_INFINITY) {
         let next = Event {
             detected: event.detected | 1 << track,
             plots: event.plots | 1 << plot,
-            weight: event.weight * claim.ratio[plot],
+            ln_weight: event.ln_weight + claim.ln_ratio[plot],
             own: if track == 0 { plot } else { event.own },
         };
         extend(claims, plots, next, track + 1, events);
@@ -212,7 +240,8 @@ fn extend(claims: &[Claim], plots: usize, event: Event, track: usize, events: &m
 /// Of events with the same tracks and the same plots only the one of the largest weight.
 fn keep_best_permutations(events: &mut Vec<Event>) {
     let key = |event: &Event| (event.detected, event.plots);
-    events.sort_unstable_by(|a, b| key(a).cmp(&key(b)).then(b.weight.total_cmp(&a.weight)).then(a.own.cmp(&b.own)));
+    events
+        .sort_unstable_by(|a, b| key(a).cmp(&key(b)).then(b.ln_weight.total_cmp(&a.ln_weight)).then(a.own.cmp(&b.own)));
     events.dedup_by(|next, kept| key(next) == key(kept));
 }
 
@@ -230,9 +259,9 @@ impl Rivals {
         self.0.build(RIVAL_CELLS * radar.cell[0], places);
     }
 
-    /// The confirmed tracks that may want the same plots as track `index` in this turn, with what they expect of it.
+    /// The nearest confirmed tracks that may want the same plots as track `index` in this turn, with what they expect of it.
     pub fn of<'a>(
-        &'a self,
+        &self,
         index: usize,
         tracks: &'a [LiveTrack],
         radar: &Radar,
@@ -240,20 +269,30 @@ impl Rivals {
         let own = &tracks[index].next;
         let reach_m = RIVAL_CELLS * radar.cell[0];
         let centre = place(own);
-        self.0.near(centre).filter_map(move |label| {
-            let other = label as usize / 2;
-            let track = &tracks[other];
-            if other == index {
-                return None;
-            }
+        let mut nearest = [None::<(f64, &LiveTrack, &Passage)>; MOST_NEAR];
+        for label in self.0.near(centre) {
+            let track = &tracks[label as usize / 2];
             let passages = [&track.next, &track.last];
             let of_this_turn = |passage: &&Passage| (passage.angle_rad - own.angle_rad).abs() < RIVAL_TURNS * TAU;
-            let expects = passages.iter().position(of_this_turn).filter(|place| *place == label as usize % 2)?;
-            let expects = passages[expects];
+            if track.id == tracks[index].id || passages.iter().position(of_this_turn) != Some(label as usize % 2) {
+                continue;
+            }
+            let expects = passages[label as usize % 2];
             let position = place(expects);
             let square: f64 = (0..3).map(|axis| (position[axis] - centre[axis]).powi(2)).sum();
-            (square < reach_m * reach_m).then_some((track, expects))
-        })
+            if square >= reach_m * reach_m {
+                continue;
+            }
+            let nearer = |other: &Option<(f64, &LiveTrack, &Passage)>| {
+                other.is_some_and(|(least, other, _)| least.total_cmp(&square).then(other.id.cmp(&track.id)).is_lt())
+            };
+            let rank = nearest.partition_point(nearer);
+            if rank < MOST_NEAR {
+                nearest[rank..].rotate_right(1);
+                nearest[rank] = Some((square, track, expects));
+            }
+        }
+        nearest.into_iter().flatten().map(|(_, track, expects)| (track, expects))
     }
 }
 

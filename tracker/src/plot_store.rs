@@ -23,7 +23,7 @@ pub struct Entry {
     pub explained: f64,
     /// How far any track claims it: the largest weight times existence.
     pub claimed: f64,
-    /// The track that took it as its best plot.
+    /// The strongest track that took it as its best plot, or the one that it started.
     pub owner: Option<u64>,
 }
 

@@ -1,5 +1,6 @@
 //! One track between two passages of the beam.
 
+use std::cmp::Reverse;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use common::angle;
@@ -14,7 +15,6 @@ use crate::imm::{Imm, transition};
 use crate::life::Life;
 use crate::measurement::{Expected, Measurement};
 use crate::motion::{MODES, Motion};
-use crate::plot_store::Entry;
 use crate::state::at;
 use crate::sweep::{Sweep, shift};
 use crate::update::Outcome;
@@ -141,8 +141,19 @@ pub struct LiveTrack {
     pub amplitude: Amplitude,
     /// For the message.
     pub last_scan: LastScan,
-    /// The track whose best plot was also this one's, and in how many scans running.
-    pub shared: Option<(u64, u32)>,
+    /// With which stronger track it may be one.
+    pub twin: Option<Twin>,
+}
+
+/// A stronger track that does what this one does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Twin {
+    /// Its number.
+    pub id: u64,
+    /// In how many scans it, or another, took the same best plot, less those since in which none did.
+    pub scans: u32,
+    /// Age of this track in the last of them.
+    pub age: u32,
 }
 
 /// How tracks move, from the configuration.
@@ -208,29 +219,36 @@ impl Kinematics {
     }
 }
 
+/// Scans for which two targets may be a single plot before that speaks against one of them.
+const MERGED_SCANS: u32 = 12;
 /// Plots may have larger errors than the nominal ones.
 const GATE_MARGIN: f64 = 1.3;
 
 impl LiveTrack {
     /// L of (T18). Where other tracks claim the plots of a confirmed one, two targets may have become a single plot: that
-    /// speaks neither for it nor against it.
+    /// speaks neither for it nor against it, for some scans.
     pub fn evidence(&self, outcome: &Outcome) -> f64 {
-        let merged = self.life.is_confirmed() && outcome.existence_ratio < 1.0 && outcome.ratio_alone > 1.0;
+        let merged = self.life.is_confirmed()
+            && self.life.misses < MERGED_SCANS
+            && outcome.existence_ratio < 1.0
+            && outcome.ratio_alone > 1.0;
         if merged { 1.0 } else { outcome.existence_ratio }
     }
 
-    /// Takes its best plot as its own if it is `sure` of it, and notes whose that plot already was.
-    pub fn note_best(&mut self, plot: &mut Entry, sure: bool) {
-        match plot.owner {
-            Some(owner) if sure && owner != self.id => {
-                let scans = self.shared.filter(|(other, _)| *other == owner).map_or(0, |(_, scans)| scans);
-                self.shared = Some((owner, scans + 1));
-            }
-            _ => {
-                plot.owner = if sure { Some(self.id) } else { plot.owner };
-                self.shared = None;
-            }
-        }
+    /// Which of two tracks stays if they are one: the largest.
+    pub fn rank(&self) -> (bool, u32, Reverse<u64>) {
+        (self.life.is_confirmed(), self.life.hits, Reverse(self.id))
+    }
+
+    /// Notes that track `stronger` took the same best plot in this scan. Which of several did so may change from scan to scan.
+    pub fn note_twin(&mut self, stronger: u64) {
+        let age = self.life.age;
+        let scans = match self.twin {
+            Some(twin) if twin.age == age => twin.scans,
+            Some(twin) => twin.scans.saturating_sub(age - twin.age - 1) + 1,
+            None => 1,
+        };
+        self.twin = Some(Twin { id: stronger, scans, age });
     }
 
     /// Squared difference of two tracks' velocities in standard deviations of both, per axis and summed.

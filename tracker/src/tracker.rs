@@ -28,7 +28,7 @@ use crate::group::{Group, Member};
 use crate::hypotheses::{Hypotheses, Room};
 use crate::imm::transition;
 use crate::initiation::Reach;
-use crate::joint::{Rivals, Sharing};
+use crate::joint::{EXPLAINED, Rivals, Sharing};
 use crate::life::Life;
 use crate::measurement::{COORDINATES, Measurement};
 use crate::motion::MODES;
@@ -36,15 +36,13 @@ use crate::plot_store::{Entry, PlotStore};
 use crate::site::{self, Site};
 use crate::start::two_plots;
 use crate::sweep::{Continuation, Sweep};
-use crate::track::{LastScan, LiveTrack, Passage};
+use crate::track::{LastScan, LiveTrack, Passage, Twin};
 use crate::update::{Outcome, Workspace, update};
 
 /// Mode probabilities of a new track.
 const START_PROBABILITY: [f64; MODES] = [0.33, 0.34, 0.33];
 /// Weight of "none" above which a scan counts as one without a plot.
 const MISS_WEIGHT: f64 = 0.5;
-/// Association weight with a confirmed track from which a plot starts no new one.
-const EXPLAINED: f64 = 0.2;
 /// Existence below which two plots start no track.
 const LEAST_EXISTENCE: f64 = 1e-5;
 /// Scans in which two tracks share their best plot before one of them goes: if one is tentative, and if both are
@@ -258,9 +256,11 @@ impl Tracker {
                 if self.tracks[visit.track].life.state == TERMINATED {
                     continue;
                 }
-                self.settle(&visit, lane, site);
+                let best = self.settle(&visit, lane, site);
                 tracks.push(self.tracks[visit.track].message());
-                self.merge_duplicate(visit.track, tracks);
+                if let Some(weaker) = best.and_then(|plot| self.own(plot, visit.track)) {
+                    self.merge_duplicate(weaker, tracks);
+                }
             }
         }
     }
@@ -351,8 +351,9 @@ impl Tracker {
         }
     }
 
-    /// Takes over what the update in `lane` made of a visit, and predicts the next.
-    fn settle(&mut self, visit: &Visit, lane: usize, site: &Site) {
+    /// Takes over what the update in `lane` made of a visit, and predicts the next. Returns the index of the plot that the track is
+    /// sure of, or would be without other tracks.
+    fn settle(&mut self, visit: &Visit, lane: usize, site: &Site) -> Option<usize> {
         let Self { config, sweep, plots, tracks, workspaces, outcomes, claims, .. } = self;
         let (track, workspace, outcome) = (&mut tracks[visit.track], &workspaces[lane], &outcomes[lane]);
         let passage = track.next;
@@ -390,23 +391,36 @@ impl Tracker {
                 entry.explained = entry.explained.max(weight);
             }
         }
-        if let Some((best, weight)) = outcome.best {
-            let entry = plots.entry_mut(first + best);
-            track.note_best(entry, weight > MISS_WEIGHT || outcome.ratio_alone > 1.0);
-        } else {
-            track.shared = None;
-        }
         track.last = passage;
         let (time_ns, angle_rad) = (track.time_ns, track.angle_rad);
         track.next = site.kinematics.passage(&track.posterior, time_ns, angle_rad, 1.0, sweep, &site.radar);
         if !track.next.prediction.is_sound() {
             track.life.state = TERMINATED;
         }
+        let own = outcome.best.filter(|(_, weight)| *weight > MISS_WEIGHT);
+        let best = own.or_else(|| workspace.best_alone(claims).filter(|_| outcome.ratio_alone > 1.0));
+        best.map(|(best, _)| first + best)
     }
 
-    /// Ends the weaker of two tracks that have followed the same plots for some scans.
+    /// Gives `plot` to track `index`, or leaves it to a stronger one that took it before. Returns the index of the weaker of the two.
+    fn own(&mut self, plot: usize, index: usize) -> Option<usize> {
+        let entry = self.plots.entry_mut(plot);
+        let before = entry.owner.and_then(|id| self.tracks.binary_search_by_key(&id, |track| track.id).ok());
+        let Some(other) = before.filter(|&other| other != index && self.tracks[other].life.state != TERMINATED) else {
+            entry.owner = Some(self.tracks[index].id);
+            return None;
+        };
+        let index_is_weaker = self.tracks[index].rank() < self.tracks[other].rank();
+        let (weaker, stronger) = if index_is_weaker { (index, other) } else { (other, index) };
+        let id = self.tracks[stronger].id;
+        entry.owner = Some(id);
+        self.tracks[weaker].note_twin(id);
+        Some(weaker)
+    }
+
+    /// Ends a track that has followed the same plots as stronger ones for some scans.
     fn merge_duplicate(&mut self, index: usize, tracks: &mut Vec<Track>) {
-        let Some((other_id, scans)) = self.tracks[index].shared else { return };
+        let Some(Twin { id: other_id, scans, .. }) = self.tracks[index].twin else { return };
         let Ok(other) = self.tracks.binary_search_by_key(&other_id, |track| track.id) else { return };
         let (a, b) = (&self.tracks[index], &self.tracks[other]);
         if b.life.state == TERMINATED || a.life.state == TERMINATED {
@@ -416,10 +430,8 @@ impl Tracker {
         if scans < needed || a.velocity_distance(b) > SAME_VELOCITY {
             return;
         }
-        let rank = |track: &LiveTrack| (track.life.is_confirmed(), track.life.hits, std::cmp::Reverse(track.id));
-        let weaker = if rank(a) < rank(b) { index } else { other };
-        self.tracks[weaker].life.state = TERMINATED;
-        let message = self.tracks[weaker].message();
+        self.tracks[index].life.state = TERMINATED;
+        let message = self.tracks[index].message();
         match tracks.iter_mut().find(|track| track.id == message.id) {
             Some(track) => *track = message,
             None => tracks.push(message),
@@ -489,7 +501,7 @@ impl Tracker {
                 best_plot: (entry.seq, entry.index),
                 ..LastScan::EMPTY
             },
-            shared: None,
+            twin: None,
         })
     }
 

@@ -30,6 +30,14 @@ pub struct Workspace {
 }
 
 impl Workspace {
+    /// The plot that would have the largest weight without other tracks; `claims` are plots and weights with them.
+    pub(crate) fn best_alone(&self, claims: &[(usize, f64)]) -> Option<(usize, f64)> {
+        let alone = |(candidate, claim): (&Candidate, &(usize, f64))| {
+            (candidate.plot, if candidate.ratio > 0.0 { claim.1 * (candidate.alone / candidate.ratio) } else { 0.0 })
+        };
+        self.candidates.iter().zip(claims).map(alone).reduce(|a, b| if b.1 > a.1 { b } else { a })
+    }
+
     /// The plot of largest Σ_j W_j w_jm (the first of equals) and that weight, W being those of `posterior`.
     pub(crate) fn best(&self, posterior: &Imm) -> Option<(usize, f64)> {
         let mut best: Option<(usize, f64)> = None;

@@ -2,7 +2,7 @@
 
 mod harness;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use common::config::{Association, Clutter, GateRule, Logic, TrackerConfig};
 use common::health::Reject;
@@ -11,6 +11,7 @@ use common::tracks::{STATE, TERMINATED, Track, pack};
 use harness::{EPOCH_NS, FLEET, SECTORS, Target, Turning, messages};
 use nalgebra::Vector3;
 use tracker::Tracker;
+use tracker::track::LiveTrack;
 
 type Stream = Vec<(PlotsHeader, Vec<Plot>)>;
 
@@ -292,4 +293,35 @@ fn no_visible_target_is_dropped_and_no_lost_one_is_kept() {
     assert!(followed >= 24, "{followed} tracks of 24 targets");
     assert!(dropped <= 1, "{dropped} tracks of visible targets dropped");
     assert!(kept.iter().all(|&scans| scans <= 30), "scans that tracks outlived their targets: {kept:?}");
+}
+
+/// λ of a plot of 40 dB is beyond all bounds, so that nothing but sharing keeps others than the target's own track from it.
+#[test]
+fn strong_targets_among_many_false_plots_keep_one_track_each() {
+    let eight: Vec<Target> = FLEET[..16].iter().step_by(2).copied().collect();
+    for (targets, snr_db) in [(&[hovering as Target][..], 30), (&[hovering], 40), (&eight, 25), (&eight, 35)] {
+        for seed in 1..=3 {
+            let snr = 10.0_f64.powf(f64::from(snr_db) / 10.0);
+            let radar = Turning { seed, snr, fluctuates: true, pfa: 1e-4, false_plots: 2500, ..Turning::default() };
+            let stream = messages(radar, targets, 80);
+            let mut tracker = Tracker::new(&TrackerConfig::default(), 1).expect("valid");
+            let (mut tracks, mut ids) = (Vec::new(), BTreeSet::new());
+            for (header, plots) in &stream {
+                tracker.take(header, plots, &mut tracks);
+                ids.extend(tracks.iter().filter(|track| track.is_confirmed()).map(|track| track.id));
+            }
+            let confirmed: Vec<_> = tracker.alive().iter().filter(|track| track.life.is_confirmed()).collect();
+            let case = format!("{} targets, {snr_db} dB, seed {seed}", targets.len());
+            assert_eq!(confirmed.len(), targets.len(), "{case}");
+            for target in targets {
+                let near = |track: &&&LiveTrack| {
+                    let time_s = (track.time_ns as f64 - EPOCH_NS as f64) / 1e9;
+                    (Vector3::from(track.posterior.mixture().position()) - target(time_s).0).norm() < 40.0
+                };
+                let own: Vec<u32> = confirmed.iter().filter(near).map(|track| track.life.hits).collect();
+                assert!(own.len() == 1 && own[0] > 70, "{case}: {own:?} hits");
+            }
+            assert!(ids.len() <= targets.len() + targets.len() / 4, "{case}: {} tracks were confirmed", ids.len());
+        }
+    }
 }

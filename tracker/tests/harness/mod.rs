@@ -17,8 +17,8 @@ pub(crate) const SECTORS: u32 = 32;
 pub(crate) const CELL: [f64; 4] = [69.3, 0.006_04, 0.006_04, 34.6];
 /// Start of measurement time, ns.
 pub(crate) const EPOCH_NS: u64 = 1_700_000_000_000_000_000;
-/// Probability of false alarm; gives `false_plots` false plots a scan in this harness.
-pub(crate) const PFA: f64 = 1e-6;
+/// Probability of false alarm unless another is said.
+const PFA: f64 = 1e-6;
 
 /// A target: position and velocity at a time.
 pub(crate) type Target = fn(f64) -> (Vector3<f64>, Vector3<f64>);
@@ -84,7 +84,9 @@ pub(crate) struct Turning {
     pub snr: f64,
     /// Swerling I if true, else steady power.
     pub fluctuates: bool,
-    /// False plots a scan.
+    /// Probability of false alarm.
+    pub pfa: f64,
+    /// False plots a scan: 25 at 10⁻⁶ are those of the cells around the targets.
     pub false_plots: u32,
     /// Whether elevation, range rate and statistics are measured.
     pub full: bool,
@@ -92,7 +94,7 @@ pub(crate) struct Turning {
 
 impl Default for Turning {
     fn default() -> Self {
-        Self { seed: 1, snr: 100.0, fluctuates: false, false_plots: 25, full: true }
+        Self { seed: 1, snr: 100.0, fluctuates: false, pfa: PFA, false_plots: 25, full: true }
     }
 }
 
@@ -100,7 +102,7 @@ impl Default for Turning {
 pub(crate) fn messages(radar: Turning, targets: &[Target], scans: u32) -> Vec<(PlotsHeader, Vec<Plot>)> {
     let mut all: Vec<(PlotsHeader, Vec<Plot>)> =
         (0..scans).flat_map(|scan| (0..SECTORS).map(move |sector| (header(radar, scan, sector), Vec::new()))).collect();
-    let threshold = -PFA.ln();
+    let threshold = -radar.pfa.ln();
     for scan in 0..scans {
         let mut rng = generator(radar.seed, Purpose::Test, scan, 0);
         for target in targets {
@@ -174,7 +176,7 @@ fn header(radar: Turning, scan: u32, sector: u32) -> PlotsHeader {
         covered_from_rad: at(sector),
         covered_to_rad: at(sector + 1),
         scan_period_s: 1.0,
-        pfa: full(PFA),
+        pfa: full(radar.pfa),
         cell_range_m: CELL[0],
         cell_azimuth_rad: CELL[1],
         cell_elevation_rad: full(CELL[2]),
