@@ -215,7 +215,6 @@ impl Pair {
                     existence: 1.0 - 1e-6,
                     detection_probability: detection_probability(of),
                     target: Some(amplitudes[of].statistics()),
-                    is_tentative: false,
                 };
                 self.shares.clear();
                 if joint {

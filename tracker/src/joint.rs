@@ -8,9 +8,6 @@
 //! of what it would be worth to τ alone. Of the events in which the same tracks are detected by the same plots, only the best
 //! permutation counts: without that, PDA draws tracks of near targets together (Blom & Bloem 2000, JPDA*).
 //!
-//! A tentative track gets nothing of a plot that a confirmed one explains: else the few plots that fit the track of a strong target
-//! badly, of which there are some in a minute, would confirm every faint start around it, as they are no false plots for certain.
-//!
 //! Only plots that τ itself could have caused take part, and what a rival finds elsewhere counts as none: so events
 //! stay few. The predictions of all tracks are those before the scan, and what is known of those updated by one message is
 //! what was known before it, so the order of processing does not matter.
@@ -38,13 +35,9 @@ const MOST_NEAR: usize = 6;
 const MOST_PLOTS: usize = 8;
 /// g below which a plot is not τ's.
 const LEAST_RATIO: f64 = 1e-3;
-/// Squared distance from what a mode expects, in standard deviations, beyond which a plot is not its own, however strong.
-const FARTHEST: f64 = 64.0;
 /// A share is at least this: too little for a plot of the largest λ ([`common::amplitude::MAX_RATIO`]) to count, and more than
 /// nothing, so that what the plot would be worth without rivals can still be told from the product.
-const LEAST_SHARE: f64 = 1e-300;
-/// Weight with a confirmed track from which a plot is no evidence for a tentative one, nor starts one (T18).
-pub const EXPLAINED: f64 = 0.2;
+pub const LEAST_SHARE: f64 = 1e-300;
 /// Tracks nearer than this may want the same plots, cells of range.
 const RIVAL_CELLS: f64 = 5.0;
 /// Passages nearer than this belong to the same turn, turns.
@@ -63,8 +56,6 @@ pub struct Claimant<'a> {
     pub detection_probability: f64,
     /// Statistics of its power; without, λ = 1.
     pub target: Option<&'a TargetStatistics>,
-    /// Whether it must leave the plots that explain a rival to that.
-    pub is_tentative: bool,
 }
 
 /// Room for sharing out plots, reused.
@@ -108,7 +99,6 @@ impl Sharing {
         inflation: f64,
         shares: &mut Vec<f64>,
     ) {
-        let gives_way = own.is_tentative;
         let mut rivals = rivals.peekable();
         if plots.is_empty() || rivals.peek().is_none() {
             return;
@@ -140,7 +130,7 @@ impl Sharing {
         let nobody = Event { detected: 0, plots: 0, ln_weight: 0.0, own: MOST_PLOTS };
         extend(&self.claims, self.wanted.len(), nobody, 0, &mut self.events);
         keep_best_permutations(&mut self.events);
-        let (own, rivals) = self.claims.split_first().expect("τ and a rival");
+        let own = self.claims[0];
         let ln_weight_of = |plot: usize| {
             ln_sum(self.events.iter().filter(move |event| event.own == plot).map(|event| event.ln_weight))
         };
@@ -149,13 +139,7 @@ impl Sharing {
         shares.resize(first + plots.len(), 1.0);
         for (index, &plot) in self.wanted.iter().enumerate() {
             let share = (ln_weight_of(index) - own.ln_ratio[index] - ln_none).exp();
-            shares[first + plot] = if gives_way && rivals.iter().any(|rival| rival.weight(index) > EXPLAINED) {
-                LEAST_SHARE
-            } else if share.is_finite() {
-                share.max(LEAST_SHARE)
-            } else {
-                1.0
-            };
+            shares[first + plot] = if share.is_finite() { share.max(LEAST_SHARE) } else { 1.0 };
         }
     }
 }
@@ -173,25 +157,20 @@ impl Claimant<'_> {
         ln_ratios.clear();
         ln_ratios.extend(plots.iter().map(|plot| {
             let offset_s = common::units::seconds_between(self.time_ns, plot.time_ns);
-            let mut density = 0.0;
-            for (expected, weight) in expected.iter().zip(self.prediction.probability) {
+            let mut ln_densities = [f64::NEG_INFINITY; MODES];
+            for (j, expected) in expected.iter().enumerate() {
                 if let Some(likelihood) = expected.likelihood(plot, inflation) {
                     let d = expected.innovation(plot, offset_s);
-                    let y = likelihood.solve(d);
-                    if d.iter().zip(y).map(|(d, y)| d * y).sum::<f64>() < FARTHEST {
-                        density += weight * likelihood.ln_density(d, y).exp();
-                    }
+                    ln_densities[j] =
+                        self.prediction.probability[j].ln() + likelihood.ln_density(d, likelihood.solve(d));
                 }
-            }
-            if density <= 0.0 {
-                return f64::NEG_INFINITY;
             }
             let here = clutter(&plot.polar);
             let ratio = match self.target {
                 Some(target) if plot.has_power => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
                 _ => 1.0,
             };
-            (self.existence * self.detection_probability * density / here.density).ln() + ratio.ln()
+            ln_sum(ln_densities.into_iter()) + (self.existence * self.detection_probability * ratio / here.density).ln()
         }));
     }
 }
@@ -206,11 +185,6 @@ impl Claim {
         let elsewhere =
             ln_ratios.iter().enumerate().filter(|(plot, _)| !wanted.contains(plot)).map(|(_, ln_ratio)| *ln_ratio);
         Self { ln_none: ln_sum(elsewhere.chain([missed])), ln_ratio }
-    }
-
-    /// How probably a plot is its own, as if there were no other tracks.
-    fn weight(&self, plot: usize) -> f64 {
-        (self.ln_ratio[plot] - ln_sum(self.ln_ratio.into_iter().chain([self.ln_none]))).exp()
     }
 
     /// How probably it takes one of the plots that are shared out.

@@ -132,7 +132,6 @@ impl Site {
             existence: track.life.existence,
             detection_probability: self.detection_probability(config, &track.amplitude),
             target: self.statistics(&track.amplitude),
-            is_tentative: !track.life.is_confirmed(),
         }
     }
 }

@@ -28,7 +28,7 @@ use crate::group::{Group, Member};
 use crate::hypotheses::{Hypotheses, Room};
 use crate::imm::transition;
 use crate::initiation::Reach;
-use crate::joint::{EXPLAINED, Rivals, Sharing};
+use crate::joint::{LEAST_SHARE, Rivals, Sharing};
 use crate::life::Life;
 use crate::measurement::{COORDINATES, Measurement};
 use crate::motion::MODES;
@@ -43,6 +43,8 @@ use crate::update::{Outcome, Workspace, update};
 const START_PROBABILITY: [f64; MODES] = [0.33, 0.34, 0.33];
 /// Weight of "none" above which a scan counts as one without a plot.
 const MISS_WEIGHT: f64 = 0.5;
+/// Association weight with a confirmed track from which a plot starts no new one and is no evidence for a tentative one.
+const EXPLAINED: f64 = 0.2;
 /// Existence below which two plots start no track.
 const LEAST_EXISTENCE: f64 = 1e-5;
 /// Scans in which two tracks share their best plot before one of them goes: if one is tentative, and if both are
@@ -229,7 +231,8 @@ impl Tracker {
     /// Processes the tracks whose gates the beam has passed, in the order in which it did. At the end of the
     /// stream those follow whose target was passed, as nothing more will come.
     ///
-    /// All are prepared before any is settled: what they know of each other is from before the message.
+    /// The confirmed come first: what they explain is no evidence for tentative ones. All of a kind are prepared before any is
+    /// settled: what they know of each other is from before the message.
     fn process_due(&mut self, covered_rad: f64, ended: bool, site: &mut Site, tracks: &mut Vec<Track>) {
         self.due.clear();
         for (index, track) in self.tracks.iter().enumerate() {
@@ -240,14 +243,24 @@ impl Tracker {
         }
         let (due, all) = (&mut self.due, &self.tracks);
         due.sort_unstable_by(|&a, &b| {
-            all[a].next.due_rad().total_cmp(&all[b].next.due_rad()).then(all[a].id.cmp(&all[b].id))
+            let (a, b) = (&all[a], &all[b]);
+            let by_passage = a.next.due_rad().total_cmp(&b.next.due_rad()).then(a.id.cmp(&b.id));
+            b.life.is_confirmed().cmp(&a.life.is_confirmed()).then(by_passage)
         });
-        self.visits.clear();
-        for position in 0..self.due.len() {
-            let visit = self.prepare(self.due[position], covered_rad, site);
-            self.visits.push(visit);
+        let confirmed = due.partition_point(|&index| all[index].life.is_confirmed());
+        for range in [0..confirmed, confirmed..self.due.len()] {
+            self.visits.clear();
+            for position in range {
+                let visit = self.prepare(self.due[position], covered_rad, site);
+                self.visits.push(visit);
+            }
+            self.share_out(site);
+            self.settle_all(site, tracks);
         }
-        self.share_out(site);
+    }
+
+    /// Updates the tracks of all visits, in groups, and merges those that turn out to be one.
+    fn settle_all(&mut self, site: &Site, tracks: &mut Vec<Track>) {
         for first in (0..self.visits.len()).step_by(LANES) {
             let group = first..self.visits.len().min(first + LANES);
             self.update(group.clone(), site);
@@ -308,6 +321,14 @@ impl Tracker {
             let first = shares.len();
             let offered = plots.measurements(visit.plots.clone());
             sharing.share(&own, rivals, offered, clutter, rules.inflation, shares);
+            if !track.life.is_confirmed() {
+                for (offered, plot) in visit.plots.clone().enumerate() {
+                    if plots.entry(plot).explained > EXPLAINED {
+                        shares.resize(first + visit.plots.len(), 1.0);
+                        shares[first + offered] = LEAST_SHARE;
+                    }
+                }
+            }
             visit.shares = first..shares.len();
         }
     }
