@@ -12,7 +12,7 @@ test:
 
 # All benchmarks
 bench:
-    cargo bench -p radar-sim -p plot-extractor -p tracker
+    cargo bench -p radar-sim -p plot-extractor -p tracker -p recorder
 
 # What must hold before a change lands
 ci:
