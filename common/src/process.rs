@@ -166,7 +166,7 @@ pub struct HealthReporter {
 }
 
 impl HealthReporter {
-    /// A reporter for the process `name` of this `session`. `refused` are the real-time wishes
+    /// A reporter for the process of `station` in this `session`. `refused` are the real-time wishes
     /// that [`crate::realtime::take`] could not fulfil.
     ///
     /// # Errors
