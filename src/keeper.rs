@@ -9,13 +9,12 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use common::config::ChainConfig;
-use common::ipc::{Domain, Flow, Station, attend};
-use common::process::{HealthReporter, RESUME_FILE, Resume, StageArgs, new_session, stop_requested};
-use common::services::{HealthReports, Topic};
+use common::ipc::{Domain, Flow};
+use common::process::{RESUME_FILE, Resume, StageArgs, stop_requested};
 
 use crate::board::Board;
 use crate::claim::Claim;
-use crate::metrics::Metrics;
+use crate::post::{Look, Post};
 use crate::run::run_id;
 use crate::supervisor::{TRACKS_PER_START, next_scan};
 
@@ -43,42 +42,28 @@ pub(crate) fn keep(args: &StageArgs) -> anyhow::Result<ExitCode> {
 }
 
 fn hold(chain: &ChainConfig) -> anyhow::Result<()> {
-    let metrics = Metrics::serve(&chain.metrics)?;
-    let station = Station::enter(NAME, chain)?;
-    let _keeper = station.keep_services()?;
-    let health = station.subscriber::<HealthReports>()?;
-    let wake = station.wake(Topic::Health)?;
-    let mut reporter = HealthReporter::new(&station, chain, new_session(), 0)?;
+    let (mut post, wake) = Post::take(NAME, chain)?;
     let root = Domain::root(&chain.ipc);
     write(&root, "chain.toml", &chain.to_toml())?;
     let (run, mut trackers) = earlier(&root, chain).unwrap_or_else(|| {
         let given = Some(chain.run.id.clone()).filter(|id| !id.is_empty());
         (given.unwrap_or_else(run_id), Trackers::default())
     });
-    let (mut board, mut written, mut asked) = (Board::default(), Instant::now(), None);
-    write_place(&root, chain, &run, &board, &trackers)?;
-    attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
-        while let Some(report) = health.receive()? {
-            report.elements().iter().for_each(|health| board.take(health));
-        }
-        station.domain().clean_dead_nodes();
-        trackers.note(&board);
-        if written.elapsed() > WRITE && !board.is_empty() {
+    write_place(&root, chain, &run, &post.board, &trackers)?;
+    let (mut written, mut asked) = (Instant::now(), None);
+    post.hold(&wake, |post| {
+        trackers.note(&post.board);
+        if written.elapsed() > WRITE && !post.board.is_empty() {
             written = Instant::now();
-            write_place(&root, chain, &run, &board, &trackers)?;
+            write_place(&root, chain, &run, &post.board, &trackers)?;
         }
         let mut flow = Flow::Wait;
         if stop_requested() {
             let since = *asked.get_or_insert_with(Instant::now);
-            let alone = station.domain().inhabitants().iter().all(|(name, _)| name == NAME);
+            let alone = post.domain().inhabitants().iter().all(|(name, _)| name == NAME);
             flow = if alone || since.elapsed() > LAST { Flow::End } else { Flow::Wait };
         }
-        if flow == Flow::End || reporter.is_due() {
-            reporter.health.ended = u32::from(flow == Flow::End);
-            reporter.publish()?;
-            metrics.publish(&board);
-        }
-        Ok(flow)
+        Ok(Look { flow, restarts: 0 })
     })
 }
 

@@ -10,6 +10,7 @@ mod keeper;
 mod machine;
 mod metrics;
 mod orphans;
+mod post;
 mod run;
 mod screen;
 mod soak;

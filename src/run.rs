@@ -6,15 +6,14 @@ use std::time::SystemTime;
 
 use anyhow::Context;
 use common::config::{ChainConfig, Mode};
-use common::ipc::{Domain, Flow, Station, attend};
-use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, new_session, signals};
+use common::ipc::{Domain, Flow};
+use common::process::{BadInput, EXIT_CHECK_BROKEN, signals};
 use common::report::Report;
-use common::services::{HealthReports, Topic};
 
 use crate::board::Board;
 use crate::claim::Claim;
-use crate::metrics::Metrics;
 use crate::orphans::Orphans;
+use crate::post::{Look, Post};
 use crate::screen::Screen;
 use crate::supervisor::{End, Supervisor};
 
@@ -103,12 +102,7 @@ fn supervise(
     orphans: Option<&Orphans>,
     companion: &mut dyn Companion,
 ) -> anyhow::Result<(End, u32)> {
-    let metrics = Metrics::serve(&chain.metrics)?;
-    let station = Station::enter(NAME, chain)?;
-    let _keeper = station.keep_services()?;
-    let health = station.subscriber::<HealthReports>()?;
-    let wake = station.wake(Topic::Health)?;
-    let mut reporter = HealthReporter::new(&station, chain, new_session(), 0)?;
+    let (mut post, wake) = Post::take(NAME, chain)?;
     let file = Domain::root(&chain.ipc).join("chain.toml");
     std::fs::write(&file, chain.to_toml()).with_context(|| format!("writing {}", file.display()))?;
 
@@ -120,36 +114,26 @@ fn supervise(
             Supervisor::adopt(chain, file, orphans)
         }
     };
-    let (mut board, mut end) = (Board::default(), None);
-    let attended = attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
-        while let Some(report) = health.receive()? {
-            report.elements().iter().for_each(|health| board.take(health));
-        }
+    let mut end = None;
+    let held = post.hold(&wake, |post| {
         match signals() {
             0 => {}
             1 => supervisor.stop(),
-            _ => {
-                end = Some(End::Failed(130));
-                return Ok(Flow::End);
-            }
+            _ => end = Some(End::Failed(130)),
         }
-        end = supervisor.step(&board, &mut screen)?;
-        if end.is_some() {
-            return Ok(Flow::End);
+        if end.is_none() {
+            end = supervisor.step(&post.board, &mut screen)?;
         }
-        companion.look(&board, &mut supervisor, &mut screen)?;
-        station.domain().clean_dead_nodes();
-        reporter.health.restarts = supervisor.restarts();
-        if reporter.is_due() {
-            reporter.publish()?;
-            metrics.publish(&board);
+        if end.is_none() {
+            companion.look(&post.board, &mut supervisor, &mut screen)?;
+            screen.show(chain, &post.board);
         }
-        screen.show(chain, &board);
-        Ok(Flow::Wait)
+        let flow = if end.is_some() { Flow::End } else { Flow::Wait };
+        Ok(Look { flow, restarts: supervisor.restarts() })
     });
     screen.clear();
     supervisor.kill_all();
-    attended?;
+    held?;
     Ok((end.unwrap_or(End::Done { broken: false }), supervisor.restarts()))
 }
 
