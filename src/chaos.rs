@@ -15,6 +15,7 @@ use rand::RngExt;
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::board::Board;
+use crate::claim::Claim;
 use crate::run::{Companion, launch};
 use crate::screen::Screen;
 use crate::stage::StageName;
@@ -39,7 +40,7 @@ pub(crate) fn chaos(mut chain: ChainConfig, kills: u32) -> anyhow::Result<ExitCo
         returns: Vec::new(),
     };
     let ipc = chain.ipc.clone();
-    let outcome = match launch(chain, &mut monkey)? {
+    let outcome = match launch(&Claim::take(&ipc)?, chain, &mut monkey)? {
         Ok(outcome) => outcome,
         Err(code) => return Ok(code),
     };

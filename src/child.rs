@@ -25,6 +25,9 @@ pub(crate) enum Process {
     },
 }
 
+/// This program, even if its file has been replaced meanwhile: all processes of a chain are of one version.
+const OWN_PROGRAM: &str = "/proc/self/exe";
+
 /// Exit code, or the signal that ended the process.
 type Exit = (Option<i32>, Option<i32>);
 
@@ -32,8 +35,7 @@ impl Process {
     /// Starts this program as `name`. It gets a process group of its own: Ctrl-C in the
     /// terminal must reach the launcher alone, which then ends the source first.
     pub(crate) fn start(name: StageName, file: &Path, overrides: &[String]) -> anyhow::Result<Self> {
-        let program = std::env::current_exe().context("finding this program's file")?;
-        let mut command = Command::new(program);
+        let mut command = Command::new(OWN_PROGRAM);
         command.arg0(name.name()).arg("stage").arg(name.name()).arg("--config").arg(file);
         for argument in overrides {
             command.arg("--set").arg(argument);

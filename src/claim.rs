@@ -3,12 +3,16 @@
 use std::fs::File;
 use std::os::unix::fs::MetadataExt;
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use common::config::IpcConfig;
 use common::ipc::Domain;
 use common::process::BadInput;
 use rustix::fs::{FlockOperation, flock};
+
+/// Who looks whether a domain is taken holds the lock for less than this time.
+const GLANCE: Duration = Duration::from_millis(200);
 
 /// Held as long as the launcher looks after the domain.
 #[derive(Debug)]
@@ -22,10 +26,22 @@ impl Claim {
     pub(crate) fn take(ipc: &IpcConfig) -> anyhow::Result<Self> {
         let path = Self::path(ipc);
         std::fs::create_dir_all(&ipc.root).with_context(|| format!("creating {}", ipc.root))?;
+        let began = Instant::now();
         loop {
             let lock = File::options().create(true).append(true).open(&path);
+            if lock.as_ref().is_err_and(|error| error.kind() == std::io::ErrorKind::PermissionDenied) {
+                return Err(BadInput(format!(
+                    "{} belongs to another user: stop that chain, or use another --ipc-prefix",
+                    path.display()
+                ))
+                .into());
+            }
             let lock = lock.with_context(|| format!("opening {}", path.display()))?;
             if flock(&lock, FlockOperation::NonBlockingLockExclusive).is_err() {
+                if began.elapsed() < GLANCE {
+                    std::thread::sleep(GLANCE / 10); // somebody may only be looking whether it is taken
+                    continue;
+                }
                 let prefix = &ipc.prefix;
                 return Err(BadInput(format!(
                     "a chain is already running in the domain `{prefix}`: stop it, or use another --ipc-prefix"

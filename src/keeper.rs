@@ -50,12 +50,17 @@ fn hold(chain: &ChainConfig) -> anyhow::Result<()> {
         (given.unwrap_or_else(run_id), Trackers::default())
     });
     write_place(&root, chain, &run, &post.board, &trackers)?;
-    let (mut written, mut asked) = (Instant::now(), None);
+    let (mut written, mut unwritten, mut asked) = (Instant::now(), false, None);
     post.hold(&wake, |post| {
         trackers.note(&post.board);
         if written.elapsed() > WRITE && !post.board.is_empty() {
             written = Instant::now();
-            write_place(&root, chain, &run, &post.board, &trackers)?;
+            // A full disk is no reason to leave the stages alone.
+            let noted = write_place(&root, chain, &run, &post.board, &trackers);
+            if let Some(error) = noted.as_ref().err().filter(|_| !unwritten) {
+                tracing::warn!("{error:#}: a stage that is started again goes on at an earlier place");
+            }
+            unwritten = noted.is_err();
         }
         let mut flow = Flow::Wait;
         if stop_requested() {

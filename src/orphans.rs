@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use anyhow::Context;
+use clap::ValueEnum;
 use common::config::ChainConfig;
 use common::ipc::Domain;
 use common::process::BadInput;
@@ -31,9 +33,7 @@ impl Orphans {
         domain.clean_dead_nodes();
         let began = Instant::now();
         let processes = loop {
-            let mut inhabitants = domain.inhabitants();
-            let all = inhabitants.len();
-            inhabitants.retain(|(name, _)| StageName::of(chain).iter().any(|stage| stage.name() == name));
+            let (inhabitants, all) = Self::living(&domain);
             if !inhabitants.is_empty() || all == 0 || began.elapsed() > VISIT {
                 break inhabitants;
             }
@@ -60,7 +60,23 @@ impl Orphans {
         if wanted != running {
             return Err(refuse("with another configuration").into());
         }
+        // They were started there, and their relative paths hold there.
+        let folder = std::fs::read_link(format!("/proc/{}/cwd", processes[0].1)).context("folder of the chain")?;
+        std::env::set_current_dir(&folder).with_context(|| format!("folder of the chain {}", folder.display()))?;
         Ok(Some(Self { chain: running, processes }))
+    }
+
+    /// Whether no stage of any chain lives in the domain: then its files can go.
+    pub(crate) fn are_gone(chain: &ChainConfig) -> anyhow::Result<bool> {
+        Ok(Self::living(&Domain::enter(&chain.ipc)?).0.is_empty())
+    }
+
+    /// The stages that live in a domain, and how many processes do in all.
+    fn living(domain: &Domain) -> (Vec<(String, u32)>, usize) {
+        let mut inhabitants = domain.inhabitants();
+        let all = inhabitants.len();
+        inhabitants.retain(|(name, _)| StageName::value_variants().iter().any(|stage| stage.name() == name));
+        (inhabitants, all)
     }
 
     /// The process of a stage.

@@ -48,7 +48,7 @@ pub(crate) struct Outcome {
 /// Launches the chain, supervises it to its end and prints its report.
 pub(crate) fn run(chain: ChainConfig) -> anyhow::Result<ExitCode> {
     let report = chain.recorder.report.clone();
-    match launch(chain, &mut Alone)? {
+    match launch(&Claim::take(&chain.ipc)?, chain, &mut Alone)? {
         Err(code) => Ok(code),
         Ok(outcome) => {
             print!("{}", outcome.report.to_text());
@@ -61,11 +61,10 @@ pub(crate) fn run(chain: ChainConfig) -> anyhow::Result<ExitCode> {
 
 /// A chain from its start to its report, or the exit code of a run that failed.
 pub(crate) fn launch(
+    _claim: &Claim,
     mut chain: ChainConfig,
     companion: &mut dyn Companion,
 ) -> anyhow::Result<Result<Outcome, ExitCode>> {
-    let started = SystemTime::now();
-    let _claim = Claim::take(&chain.ipc)?;
     let orphans = Orphans::find(&chain)?;
     if let Some(orphans) = &orphans {
         chain = orphans.chain.clone();
@@ -78,14 +77,17 @@ pub(crate) fn launch(
         Domain::check_shared_memory(&chain)?;
     }
     let ended = supervise(&chain, orphans.as_ref(), companion);
-    Domain::enter(&chain.ipc)?.remove();
-    let (end, restarts) = ended?;
+    if Orphans::are_gone(&chain)? {
+        Domain::enter(&chain.ipc)?.remove();
+    }
+    let end = ended?;
     match end {
         End::Failed(code) => Ok(Err(ExitCode::from(code))),
         End::Done { broken } => {
-            let report = read_report(Path::new(&chain.recorder.report), started)?;
+            let report = read_report(Path::new(&chain.recorder.report), &chain.run.id)?;
             let lossy = chain.run.mode == Mode::Lossless && report.lost() > 0;
-            Ok(Ok(Outcome { report, disturbed: broken || restarts > 0, lossy }))
+            let restarted = report.processes.iter().any(|(name, used)| name != NAME && used.restarts > 0);
+            Ok(Ok(Outcome { report, disturbed: broken || restarted, lossy }))
         }
     }
 }
@@ -101,7 +103,7 @@ fn supervise(
     chain: &ChainConfig,
     orphans: Option<&Orphans>,
     companion: &mut dyn Companion,
-) -> anyhow::Result<(End, u32)> {
+) -> anyhow::Result<End> {
     let (mut post, wake) = Post::take(NAME, chain)?;
     let file = Domain::root(&chain.ipc).join("chain.toml");
     std::fs::write(&file, chain.to_toml()).with_context(|| format!("writing {}", file.display()))?;
@@ -134,7 +136,7 @@ fn supervise(
     screen.clear();
     supervisor.kill_all();
     held?;
-    Ok((end.unwrap_or(End::Done { broken: false }), supervisor.restarts()))
+    Ok(end.unwrap_or(End::Done { broken: supervisor.restarts() > 0 }))
 }
 
 /// Finds out before the run whether its report can be written.
@@ -149,12 +151,10 @@ fn check_report_place(path: &Path) -> anyhow::Result<()> {
     }
 }
 
-/// The report that the recorder has left.
-fn read_report(path: &Path, started: SystemTime) -> anyhow::Result<Report> {
-    let written = std::fs::metadata(path).and_then(|file| file.modified());
-    if !written.is_ok_and(|written| written >= started) {
-        anyhow::bail!("the recorder has left no report {}", path.display());
-    }
-    let text = std::fs::read_to_string(path).with_context(|| format!("reading report {}", path.display()))?;
-    serde_json::from_str(&text).with_context(|| format!("reading report {}", path.display()))
+/// The report that the recorder has left of this run.
+fn read_report(path: &Path, run: &str) -> anyhow::Result<Report> {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let report: Option<Report> = serde_json::from_str(&text).ok();
+    let of_run = |report: &Report| report.config.as_ref().is_some_and(|config| config.run.id == run);
+    report.filter(of_run).with_context(|| format!("the recorder has left no report {} of this run", path.display()))
 }

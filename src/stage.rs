@@ -64,8 +64,8 @@ impl StageName {
     }
 }
 
-/// Twice the longest pause before a restart: a stage is back within a scan or two even if it died often.
-const LONGEST_BACKOFF: Duration = Duration::from_secs(2);
+/// Longest pause before a restart: a stage is back within a scan or two even if it died often.
+const LONGEST_BACKOFF: Duration = Duration::from_secs(1);
 /// A stage that lives this long has recovered: the next restart is quick again.
 const RECOVERED: Duration = Duration::from_secs(2);
 /// After this time every living process has said where it stands.
@@ -131,11 +131,23 @@ impl Stage {
         Self { name, restarts: 0, state, backoff: Duration::from_secs_f64(config.backoff_s) }
     }
 
-    /// Starts it again.
+    /// Starts it again. Where that fails the next attempt is due after a pause.
     pub(crate) fn restart(&mut self, file: &Path, overrides: &[String]) -> anyhow::Result<()> {
         self.restarts += 1;
-        self.state = State::Running { process: Process::start(self.name, file, overrides)?, since: Instant::now() };
+        match Process::start(self.name, file, overrides) {
+            Ok(process) => self.state = State::Running { process, since: Instant::now() },
+            Err(error) => {
+                self.pause();
+                return Err(error);
+            }
+        }
         Ok(())
+    }
+
+    /// Waits before the next start, twice as long as before the last one.
+    fn pause(&mut self) {
+        self.state = State::Waiting { until: Instant::now() + self.backoff };
+        self.backoff = (self.backoff * 2).min(LONGEST_BACKOFF);
     }
 
     /// Looks what has become of the process; `said_end` tells whether its last words were that it ends.
@@ -150,14 +162,16 @@ impl Stage {
                 match code.map(u8::try_from) {
                     Some(Ok(0)) => self.state = State::Ended { broken: false },
                     Some(Ok(EXIT_CHECK_BROKEN)) => self.state = State::Ended { broken: true },
-                    Some(Ok(EXIT_BAD_USAGE)) => {
+                    // One that worked before will again when what it misses is back.
+                    Some(Ok(EXIT_BAD_USAGE)) if self.restarts == 0 => {
                         self.state = State::Ended { broken: true };
                         return Ok(Event::Refused);
                     }
                     _ => {
-                        let first = Duration::from_secs_f64(config.backoff_s);
-                        self.backoff = if lived > RECOVERED { first } else { (self.backoff * 2).min(LONGEST_BACKOFF) };
-                        self.state = State::Waiting { until: Instant::now() + self.backoff / 2 };
+                        if lived > RECOVERED {
+                            self.backoff = Duration::from_secs_f64(config.backoff_s);
+                        }
+                        self.pause();
                         return Ok(Event::Died(signal));
                     }
                 }

@@ -1,9 +1,9 @@
 //! Keeps the processes of a chain running and ends them in order.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use common::config::ChainConfig;
+use common::config::{ChainConfig, Mode};
 use common::process::{EXIT_BAD_USAGE, EXIT_FAILED};
 use common::time::monotonic_ns;
 use rustix::process::Signal;
@@ -23,12 +23,17 @@ pub(crate) struct Supervisor {
     ending_since: Option<Instant>,
     /// The stages have been asked to end, because the end of the stream has not reached them.
     told: bool,
+    /// When those that did not end were killed, so that the recorder can still close the books.
+    forced: Option<Instant>,
     /// The stage that may hang, and since when it is the one.
     suspect: Option<(StageName, Instant)>,
 }
 
 /// How long after the source the other stages end by themselves.
 const LAST_WORDS: Duration = Duration::from_secs(3);
+
+/// How long the recorder then has to close its file and write the report.
+const LAST_BOOKS: Duration = Duration::from_secs(10);
 
 /// A stage that has said nothing for so long may hang, or wait for one that does.
 const SUSPECT: Duration = Duration::from_millis(1500);
@@ -45,8 +50,7 @@ pub(crate) enum End {
 impl Supervisor {
     /// Starts all processes of `chain`.
     pub(crate) fn start(chain: &ChainConfig, file: PathBuf) -> anyhow::Result<Self> {
-        let mut this =
-            Self { chain: chain.clone(), file, stages: Vec::new(), ending_since: None, told: false, suspect: None };
+        let mut this = Self::of(chain, file, Vec::new());
         for name in StageName::of(chain) {
             match Stage::start(name, &this.file, &chain.supervision) {
                 Ok(stage) => this.stages.push(stage),
@@ -62,8 +66,11 @@ impl Supervisor {
     /// Takes over the processes that a dead launcher has left, and starts those that are missing.
     pub(crate) fn adopt(chain: &ChainConfig, file: PathBuf, orphans: &Orphans) -> Self {
         let adopted = |name| Stage::adopt(name, orphans.process(name), &chain.supervision);
-        let stages = StageName::of(chain).into_iter().map(adopted).collect();
-        Self { chain: chain.clone(), file, stages, ending_since: None, told: false, suspect: None }
+        Self::of(chain, file, StageName::of(chain).into_iter().map(adopted).collect())
+    }
+
+    fn of(chain: &ChainConfig, file: PathBuf, stages: Vec<Stage>) -> Self {
+        Self { chain: chain.clone(), file, stages, ending_since: None, told: false, forced: None, suspect: None }
     }
 
     /// The processes that run now, upstream last: names and process identifiers.
@@ -120,8 +127,10 @@ impl Supervisor {
                     screen.say(&format!("{} ended {cause}: starting it again", name.name()));
                 }
                 Event::Due => {
-                    let overrides = resume_at(&self.stages[index], board, &self.chain);
-                    self.stages[index].restart(&self.file, &overrides)?;
+                    let overrides = self.resume_at(&self.stages[index], board);
+                    if let Err(error) = self.stages[index].restart(&self.file, &overrides) {
+                        screen.say(&format!("{error:#}: trying again"));
+                    }
                 }
             }
         }
@@ -139,18 +148,23 @@ impl Supervisor {
             }
         }
         let drain = Duration::from_secs_f64(self.chain.supervision.drain_s);
-        if self.ending_since.is_some_and(|since| since.elapsed() > drain) {
-            for stage in self.stages.iter().filter(|stage| !stage.has_ended()) {
+        if self.forced.is_none() && self.ending_since.is_some_and(|since| since.elapsed() > drain) {
+            self.forced = Some(Instant::now());
+            for stage in self.stages.iter_mut().filter(|stage| !stage.has_ended()) {
                 screen.say(&format!("{} has not ended within {} s", stage.name.name(), self.chain.supervision.drain_s));
+                if stage.name == StageName::Recorder {
+                    stage.signal(Signal::TERM);
+                } else {
+                    stage.kill();
+                }
             }
-            return Ok(Some(End::Failed(EXIT_FAILED)));
         }
-        Ok(None)
+        Ok(self.forced.filter(|since| since.elapsed() > LAST_BOOKS).map(|_| End::Failed(EXIT_FAILED)))
     }
 
-    /// Kills the stage that hangs, so that it is started again. A stage that waits for one downstream says nothing
-    /// either: only the most downstream of the silent ones can be the one that hangs, and once it speaks again the next
-    /// has as much time as it had.
+    /// Kills the stage that hangs, so that it is started again. In lossless mode a stage that waits for one downstream
+    /// says nothing either: only the most downstream of the silent ones can be the one that hangs, and once it speaks
+    /// again the next has as much time as it had. In real time nobody waits, and a recorder that stands still hides nobody.
     fn end_hung(&mut self, board: &Board, screen: &mut Screen) {
         if self.ending_since.is_some() {
             return;
@@ -165,7 +179,10 @@ impl Supervisor {
         let heard =
             |stage: &Stage| board.of(stage.name.name()).map(|health| health.pid) == stage.running().map(|(pid, _)| pid);
         let waits = |stage: &&Stage| silent(stage).is_none_or(|silent| silent > SUSPECT) || !heard(stage);
-        let Some(suspect) = self.stages.iter().find(waits) else {
+        let real_time = self.chain.run.mode == Mode::RealTime;
+        let suspects = |stage: &&Stage| waits(stage) && !(real_time && stage.name == StageName::Recorder);
+        let upstream = self.stages.iter().find(suspects);
+        let Some(suspect) = upstream.or_else(|| self.stages.iter().find(waits)) else {
             self.suspect = None;
             return;
         };
@@ -181,6 +198,19 @@ impl Supervisor {
         {
             screen.say(&format!("{} has said nothing for {:.1} s: killing it", name.name(), silent.as_secs_f64()));
             suspect.signal(Signal::KILL);
+        }
+    }
+
+    /// Where a restarted stage goes on: a source with the scan after the last one that
+    /// anybody has seen, a tracker with numbers that no track has had.
+    fn resume_at(&self, stage: &Stage, board: &Board) -> Vec<String> {
+        if stage.name.is_source() {
+            vec![format!("run.first_scan={}", next_scan(board, &self.chain))]
+        } else if stage.name == StageName::Tracker {
+            let starts = note_tracker_start(self.file.parent().unwrap_or(Path::new("."))).max(u64::from(stage.restarts) + 1);
+            vec![format!("run.first_track={}", self.chain.run.first_track + TRACKS_PER_START * starts)]
+        } else {
+            Vec::new()
         }
     }
 
@@ -204,25 +234,21 @@ impl Supervisor {
 
 /// Tracks of a tracker that was started again are numbered from so many further up.
 pub(crate) const TRACKS_PER_START: u64 = 1_000_000;
+/// How often trackers of the run were started again, by this launcher and those before it.
+const TRACKER_STARTS: &str = "tracker-starts";
 
-/// Where a restarted stage goes on: a source with the scan after the last one that
-/// anybody has seen, a tracker with numbers that no track has had.
-fn resume_at(stage: &Stage, board: &Board, chain: &ChainConfig) -> Vec<String> {
-    if stage.name.is_source() {
-        vec![format!("run.first_scan={}", next_scan(board, chain))]
-    } else if stage.name == StageName::Tracker {
-        let first = chain.run.first_track + TRACKS_PER_START * u64::from(stage.restarts + 1);
-        vec![format!("run.first_track={first}")]
-    } else {
-        Vec::new()
-    }
+/// Notes in the folder of the domain that a tracker is started again; how often that has been.
+fn note_tracker_start(folder: &Path) -> u64 {
+    let file = folder.join(TRACKER_STARTS);
+    let before: u64 = std::fs::read_to_string(&file).ok().and_then(|text| text.parse().ok()).unwrap_or(0);
+    // Where it cannot be written, this launcher's own count is still right for its own restarts.
+    let _ = std::fs::write(&file, (before + 1).to_string());
+    before + 1
 }
 
 /// The scan after the last one that anybody has seen.
 pub(crate) fn next_scan(board: &Board, chain: &ChainConfig) -> u32 {
     let at_work = board.all().filter(|(_, health, _)| health.messages_out > 0 || health.scan > 0);
     let seen = at_work.map(|(_, health, _)| health.scan).max();
-    let next = seen.map_or(chain.run.first_scan, |scan| scan + 1);
-    // A run that was in its last scan repeats it: somebody has to say that it is the end.
-    next.min(chain.run.scans.checked_sub(1).unwrap_or(u32::MAX))
+    seen.map_or(chain.run.first_scan, |scan| scan + 1)
 }

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use common::health::Rejected;
-use common::ipc::{Flow, Station, attend};
+use common::ipc::{Flow, Station, Turn, attend};
 use common::message::END_OF_STREAM;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
@@ -34,7 +34,10 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let mut plots_of_scan = 0;
 
     attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
-        while let Some(dwell) = dwells.receive()? {
+        let turn = Turn::begin();
+        while !turn.is_over()
+            && let Some(dwell) = dwells.receive()?
+        {
             let received_ns = monotonic_ns();
             let header = dwell.header();
             let reject = extractor.take(header, dwell.elements(), received_ns, |header, plots| {
@@ -68,7 +71,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         }
         // Asked to stop, it still works off what the source sends until its last dwell.
         let abandoned = stop_requested() && dwells.publishers() == 0;
-        Ok(if ended || abandoned { Flow::End } else { Flow::Wait })
+        Ok(if ended || abandoned { Flow::End } else { turn.flow() })
     })?;
     publisher.linger();
     Ok(ExitCode::SUCCESS)

@@ -78,5 +78,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             }
         }
     }
+    // Started again after the last scan: nothing is left to send.
+    reporter.health.ended = 1;
+    reporter.publish()?;
     Ok(ExitCode::SUCCESS)
 }

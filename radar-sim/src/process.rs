@@ -40,13 +40,14 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let (first_scan, scans) = (chain.run.first_scan, chain.run.scans);
     let mut pace = Pace::new(chain.run.speed);
     let mut targets = Vec::with_capacity(chain.sim.targets.len());
-    for scan in first_scan.. {
+    let left = if scans > 0 { first_scan..scans } else { first_scan..u32::MAX };
+    for scan in left {
         for dwell in 0..chain.radar.dwells_per_scan {
             let mut header = simulator.header(scan, dwell);
             header.session = session;
             pace.wait_until(header.time_ns, || reporter.publish())?;
             let last_of_scan = header.flags & END_OF_SCAN != 0;
-            let done = last_of_scan && scans > 0 && scan + 1 >= scans;
+            let done = last_of_scan && scan + 1 == scans;
             if done || (header.flags & END_OF_SECTOR != 0 && stop_requested()) {
                 header.flags |= END_OF_STREAM;
             }
@@ -75,6 +76,9 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             }
         }
     }
+    // Started again after its last scan: the launcher sees that nothing is left to send.
+    reporter.health.ended = 1;
+    reporter.publish()?;
     Ok(ExitCode::SUCCESS)
 }
 

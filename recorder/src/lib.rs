@@ -18,6 +18,7 @@ mod losses;
 pub mod process;
 mod processes;
 pub mod recording;
+mod report_place;
 pub mod replay;
 pub mod replay_process;
 pub mod scoring;

@@ -2,25 +2,25 @@
 
 use std::fs::File;
 use std::io::BufReader;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
 use common::config::ChainConfig;
-use common::ipc::{Flow, IpcError, Station, Subscriber, attend};
+use common::ipc::{Flow, IpcError, Received, Station, Subscriber, Turn, attend};
 use common::latency_log::LatencyLog;
 use common::message::END_OF_STREAM;
 use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
 use common::recording::container::{Entry, Reader};
 use common::recording::{Gap, RecordedRef, RecordingError};
-use common::services::{ALL_TOPICS, Dwells, HealthReports, Plots, Topic, Tracks, Truth};
+use common::services::{ALL_TOPICS, Dwells, HealthReports, Message, Plots, Topic, Tracks, Truth};
 use common::time::monotonic_ns;
 use tracing::{info, warn};
 
 use crate::fold::{Files, Fold};
 use crate::recording::{LISTED_GAPS, Recording};
+use crate::report_place::ReportPlace;
 
 /// Name of the process.
 pub const NAME: &str = "recorder";
@@ -46,10 +46,10 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
 
     attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
-        inputs.take_all(&mut recorder)?;
+        let all = inputs.take_all(&mut recorder)?;
         recorder.keep_up();
         recorder.fold.close_interval_if_due();
-        let flow = recorder.flow(inputs.tracks.publishers());
+        let flow = if all { recorder.flow(inputs.tracks.publishers()) } else { Flow::Again };
         if flow == Flow::End || reporter.is_due() {
             recorder.describe(&mut reporter.health);
             reporter.health.ended = u32::from(flow == Flow::End);
@@ -81,28 +81,38 @@ impl Inputs {
         })
     }
 
-    /// Takes everything that waits, causes before effects.
-    fn take_all(&self, recorder: &mut Recorder) -> Result<(), IpcError> {
-        while let Some(message) = self.truth.receive()? {
+    /// Takes what waits, causes before effects; whether that was all.
+    fn take_all(&self, recorder: &mut Recorder) -> Result<bool, IpcError> {
+        let mut all = take(&self.truth, |message| {
             recorder.take(RecordedRef::Truth(message.header(), message.elements()));
-        }
+        })?;
         if let Some(dwells) = &self.dwells {
-            while let Some(message) = dwells.receive()? {
+            all &= take(dwells, |message| {
                 recorder.take(RecordedRef::Dwells(message.header(), message.elements()));
-            }
+            })?;
         }
-        while let Some(message) = self.plots.receive()? {
+        all &= take(&self.plots, |message| {
             recorder.take(RecordedRef::Plots(message.header(), message.elements()));
-        }
-        while let Some(message) = self.tracks.receive()? {
+        })?;
+        all &= take(&self.tracks, |message| {
             recorder.ended |= message.header().has(END_OF_STREAM);
             recorder.take(RecordedRef::Tracks(message.header(), message.elements()));
-        }
-        while let Some(message) = self.health.receive()? {
+        })?;
+        all &= take(&self.health, |message| {
             recorder.take(RecordedRef::Health(message.header(), message.elements()));
-        }
-        Ok(())
+        })?;
+        Ok(all)
     }
+}
+
+/// Takes the messages of one topic for a turn; whether that was all.
+fn take<M: Message>(topic: &Subscriber<M>, mut note: impl FnMut(&Received<M>)) -> Result<bool, IpcError> {
+    let turn = Turn::begin();
+    while !turn.is_over() {
+        let Some(message) = topic.receive()? else { return Ok(true) };
+        note(&message);
+    }
+    Ok(false)
 }
 
 /// The run as far as it is recorded.
@@ -112,7 +122,7 @@ struct Recorder {
     recording: Option<Recording>,
     /// Gaps of a run that is not recorded.
     gaps: Vec<Gap>,
-    report: PathBuf,
+    place: ReportPlace,
     /// The tracker has published its last message.
     ended: bool,
     ended_at: Option<Instant>,
@@ -140,8 +150,8 @@ impl Recorder {
                 Ok(()) => {}
             }
         }
-        let report = PathBuf::from(&chain.recorder.report);
-        Ok(Self { fold, recording, gaps: Vec::new(), report, ended: false, ended_at: None })
+        let place = ReportPlace::reserve(Path::new(&chain.recorder.report))?;
+        Ok(Self { fold, recording, gaps: Vec::new(), place, ended: false, ended_at: None })
     }
 
     fn take(&mut self, message: RecordedRef<'_>) {
@@ -201,15 +211,7 @@ impl Recorder {
             }
             failed = recording.has_failed();
         }
-        let report = self.fold.finish(files);
-        if let Some(folder) = self.report.parent() {
-            std::fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
-        }
-        // Renamed into place: whoever waits for it finds it complete.
-        let unfinished = self.report.with_extension("json.tmp");
-        std::fs::write(&unfinished, report.to_json())
-            .and_then(|()| std::fs::rename(&unfinished, &self.report))
-            .with_context(|| format!("writing {}", self.report.display()))?;
+        self.place.write(&self.fold.finish(files))?;
         Ok(if failed { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })
     }
 }

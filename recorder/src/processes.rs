@@ -21,6 +21,8 @@ pub(crate) struct Processes {
 struct Lives {
     now: Health,
     restarts: u64,
+    /// Sessions of ended lives.
+    past: Vec<u64>,
     cpu_ns_before: u64,
     rejected_before: [u64; REJECTS],
     silences_before: u64,
@@ -34,6 +36,7 @@ impl Processes {
         let lives = self.by_name.entry(health.process().to_string()).or_insert_with(|| Lives {
             now: *health,
             restarts: 0,
+            past: Vec::new(),
             cpu_ns_before: 0,
             rejected_before: [0; REJECTS],
             silences_before: 0,
@@ -41,18 +44,20 @@ impl Processes {
             rss_first: health.rss_bytes,
             rss_max: 0,
         });
-        if health.session > lives.now.session {
+        // Sessions tell lives apart and not which is later: the wall clock they come from may have been stepped.
+        if lives.past.contains(&health.session) {
+            return; // a report that was overtaken: an old life has nothing new to say
+        }
+        if health.session != lives.now.session {
+            lives.past.push(lives.now.session);
             lives.restarts += 1;
             lives.cpu_ns_before += lives.now.cpu_ns;
             add(&mut lives.rejected_before, &lives.now.rejected);
             lives.silences_before += u64::from(lives.now.silences);
             lives.slow_steps_before += u64::from(lives.now.slow_steps);
         }
-        // Reports of different sessions may overtake each other; an old life has nothing new to say.
-        if health.session >= lives.now.session {
-            lives.now = *health;
-            lives.rss_max = lives.rss_max.max(health.rss_bytes);
-        }
+        lives.now = *health;
+        lives.rss_max = lives.rss_max.max(health.rss_bytes);
     }
 
     /// Whether all of these processes have said that they ended in order.

@@ -25,6 +25,7 @@ use common::process::{BadInput, EXIT_CHECK_BROKEN};
 use common::report::{Blocks, Percentiles, Report, Soak};
 
 use crate::board::Board;
+use crate::claim::Claim;
 use crate::run::{Companion, Outcome, launch};
 use crate::screen::Screen;
 use crate::supervisor::Supervisor;
@@ -48,6 +49,7 @@ pub(crate) struct Plan {
 
 /// Runs the chain, measures it, judges it.
 pub(crate) fn soak(mut chain: ChainConfig, plan: &Plan) -> anyhow::Result<ExitCode> {
+    let claim = Claim::take(&chain.ipc)?; // before anything of an earlier soak, which may still run, is touched
     let refuse = |error: std::io::Error| BadInput(format!("folder of the soak {}: {error}", plan.out.display()));
     std::fs::create_dir_all(&plan.out).map_err(refuse)?;
     let out = std::path::absolute(&plan.out).map_err(refuse)?;
@@ -57,17 +59,20 @@ pub(crate) fn soak(mut chain: ChainConfig, plan: &Plan) -> anyhow::Result<ExitCo
     let _ = std::fs::remove_file(&chain.soak.log); // of an earlier soak
     let resources = Resources::create(&out, Duration::from_secs_f64(chain.soak.interval_s))?;
     let reference = plan.reference.then(|| Reference::of(&chain, &out));
-    let mut companion = Watcher { duration: plan.duration, begun: None, resources, reference, ended: false };
+    let mut companion = Watcher { duration: plan.duration, begun: None, resources, reference, ended: false, unwritten: None };
     let limits = chain.clone();
-    let launched = launch(chain, &mut companion)?;
-    let Watcher { resources, reference, .. } = companion;
+    let launched = launch(&claim, chain, &mut companion)?;
+    let Watcher { resources, reference, mut unwritten, .. } = companion;
     drop(reference); // its logs are written when its processes have ended
-    let series = resources.finish()?;
+    let series = resources.finish().unwrap_or_else(|error| {
+        unwritten.get_or_insert(format!("{error:#}"));
+        Series::default()
+    });
     let outcome = match launched {
         Ok(outcome) => outcome,
         Err(code) => return Ok(code),
     };
-    let report = conclude(&limits, outcome, &series, &out)?;
+    let report = conclude(&limits, outcome, &series, unwritten, &out)?;
     print!("{}", report.to_text());
     print!("{}", verdict::to_text(&report));
     println!("\nresults in {}: report.html, report.json, latency.hlog, resources.csv", plan.out.display());
@@ -83,6 +88,8 @@ struct Watcher {
     resources: Resources,
     reference: Option<Reference>,
     ended: bool,
+    /// Why the series is not whole.
+    unwritten: Option<String>,
 }
 
 impl Companion for Watcher {
@@ -94,7 +101,12 @@ impl Companion for Watcher {
             }
         }
         let Some(begun) = self.begun else { return Ok(()) };
-        self.resources.note(begun.elapsed(), board)?;
+        if let Err(error) = self.resources.note(begun.elapsed(), board)
+            && self.unwritten.is_none()
+        {
+            screen.say(&format!("{error:#}: the soak goes on"));
+            self.unwritten = Some(format!("{error:#}"));
+        }
         if let Some(duration) = self.duration {
             screen.left(duration.saturating_sub(begun.elapsed()));
             if begun.elapsed() >= duration {
@@ -112,7 +124,13 @@ impl Companion for Watcher {
 }
 
 /// Adds to the report what the soak has found, and writes it with its page.
-fn conclude(chain: &ChainConfig, outcome: Outcome, series: &Series, out: &Path) -> anyhow::Result<Report> {
+fn conclude(
+    chain: &ChainConfig,
+    outcome: Outcome,
+    series: &Series,
+    unwritten: Option<String>,
+    out: &Path,
+) -> anyhow::Result<Report> {
     let read = |name: &str| {
         let text = std::fs::read_to_string(out.join(name)).unwrap_or_default();
         latency_log::read(&text)
@@ -142,6 +160,7 @@ fn conclude(chain: &ChainConfig, outcome: Outcome, series: &Series, out: &Path) 
         }
     }
     soak.findings = verdict::findings(chain, &report, &soak, outcome.disturbed);
+    soak.findings.extend(unwritten);
     soak.ok = soak.findings.is_empty();
     report.soak = Some(soak);
     let write = |name: &str, text: String| {

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use common::health::{Reject, Rejected};
-use common::ipc::{Flow, Station, attend};
+use common::ipc::{Flow, Station, Turn, attend};
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, TRUNCATED};
 use common::plots::PlotsHeader;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
@@ -37,7 +37,10 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let mut plots_of_scan = 0;
 
     attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
-        while let Some(message) = plots.receive()? {
+        let turn = Turn::begin();
+        while !turn.is_over()
+            && let Some(message) = plots.receive()?
+        {
             let received_ns = monotonic_ns();
             let taken = tracker.take(message.header(), message.elements(), &mut tracks);
             let mut header = header_of(message.header(), &taken, reporter.health.messages_out, received_ns);
@@ -75,7 +78,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         }
         // Asked to stop, it still works off what is sent until the last plots.
         let abandoned = stop_requested() && plots.publishers() == 0;
-        Ok(if ended || abandoned { Flow::End } else { Flow::Wait })
+        Ok(if ended || abandoned { Flow::End } else { turn.flow() })
     })?;
     publisher.linger();
     Ok(ExitCode::SUCCESS)

@@ -1,7 +1,7 @@
 //! A shared-memory domain: chains with different prefixes do not see each other.
 
 use std::os::unix::fs::MetadataExt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use iceoryx2::node::NodeView;
@@ -18,7 +18,8 @@ const SHARED_MEMORY: &str = "/dev/shm";
 /// Prefix and folder of one chain's files.
 #[derive(Debug, Clone)]
 pub struct Domain {
-    prefix: String,
+    /// Of the files in shared memory.
+    file_prefix: String,
     root: PathBuf,
     config: Config,
 }
@@ -31,12 +32,12 @@ impl Domain {
     /// # Errors
     /// [`IpcError::Domain`] if the folder or the file in it cannot be written, [`IpcError::OtherUser`].
     pub fn enter(ipc: &IpcConfig) -> Result<Self, IpcError> {
-        let root = Self::root(ipc);
+        let (root, file_prefix) = (Self::root(ipc), Self::file_prefix(ipc));
         let error =
             |reason: String| IpcError::Domain { prefix: ipc.prefix.clone(), root: root.display().to_string(), reason };
         set_log_level(LogLevel::Fatal);
         let mut config = Config::default();
-        config.global.prefix = FileName::new(Self::file_prefix(&ipc.prefix).as_bytes())
+        config.global.prefix = FileName::new(file_prefix.as_bytes())
             .map_err(|cause| error(format!("prefix refused: {cause:?}")))?;
         let root_path = iceoryx2::prelude::Path::new(root.display().to_string().as_bytes())
             .map_err(|cause| error(format!("path refused: {cause:?}")))?;
@@ -60,16 +61,24 @@ impl Domain {
         let path = FilePath::new(file.display().to_string().as_bytes())
             .map_err(|cause| error(format!("path refused: {cause:?}")))?;
         Config::setup_global_config_from_file(&path).map_err(|cause| error(format!("{cause:?}")))?;
-        Ok(Self { prefix: ipc.prefix.clone(), root, config })
+        Ok(Self { file_prefix, root, config })
     }
 
     /// Folder of the domain's management files.
     pub fn root(ipc: &IpcConfig) -> PathBuf {
-        Path::new(&ipc.root).join(format!("radar-chain-{}", ipc.prefix))
+        let root = std::path::absolute(&ipc.root).unwrap_or_else(|_| PathBuf::from(&ipc.root));
+        root.join(format!("radar-chain-{}", ipc.prefix))
     }
 
-    fn file_prefix(prefix: &str) -> String {
-        format!("{prefix}.rc_")
+    /// How the names of the domain's files in shared memory begin: the prefix, and the folder as a number, so that one
+    /// prefix in two folders is two domains.
+    fn file_prefix(ipc: &IpcConfig) -> String {
+        let folder = Self::root(ipc);
+        // FNV-1a: the same in every process and version.
+        let number = folder.as_os_str().as_encoded_bytes().iter().fold(0xcbf2_9ce4_8422_2325_u64, |number, &byte| {
+            (number ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        });
+        format!("{}.rc_{:08x}_", ipc.prefix, number >> 32)
     }
 
     /// The iceoryx2 configuration of the domain.
@@ -113,10 +122,9 @@ impl Domain {
     pub fn remove(&self) {
         clean_dead_nodes(&self.config);
         let _ = std::fs::remove_dir_all(&self.root);
-        let prefix = Self::file_prefix(&self.prefix);
         let Ok(entries) = std::fs::read_dir(SHARED_MEMORY) else { return };
         for entry in entries.flatten() {
-            if entry.file_name().to_string_lossy().starts_with(&prefix) {
+            if entry.file_name().to_string_lossy().starts_with(&self.file_prefix) {
                 let _ = std::fs::remove_file(entry.path());
             }
         }
@@ -126,7 +134,7 @@ impl Domain {
     pub fn remains(ipc: &IpcConfig) -> Vec<String> {
         let root = Self::root(ipc);
         let mut files: Vec<String> = root.exists().then(|| root.display().to_string()).into_iter().collect();
-        let prefix = Self::file_prefix(&ipc.prefix);
+        let prefix = Self::file_prefix(ipc);
         let names = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
         let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
         files.extend(names.filter(|name| name.starts_with(&prefix)));
@@ -139,9 +147,9 @@ impl Domain {
     /// # Errors
     /// [`IpcError::SharedMemoryFull`].
     pub(super) fn reserve(&self) -> Result<(), IpcError> {
-        let prefix = Self::file_prefix(&self.prefix);
         let Ok(entries) = std::fs::read_dir(SHARED_MEMORY) else { return Ok(()) };
-        for entry in entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix)) {
+        let ours = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with(&self.file_prefix);
+        for entry in entries.flatten().filter(|entry| ours(&entry.file_name())) {
             // A segment may go while it is looked at.
             let Ok(file) = std::fs::File::options().write(true).open(entry.path()) else { continue };
             let Ok(metadata) = file.metadata() else { continue };

@@ -21,7 +21,7 @@ pub use intake::count_intake;
 pub use publisher::Publisher;
 pub use station::{Keeper, Station};
 pub use subscriber::{Received, Subscriber};
-pub use wait::{Flow, Wake, Watchdog, attend};
+pub use wait::{Flow, Turn, Wake, Watchdog, attend};
 
 /// Why a port or service is not to be had. The process cannot work without: exit code 3.
 #[derive(Debug, thiserror::Error)]

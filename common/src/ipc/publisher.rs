@@ -22,6 +22,10 @@ const CLEAN_INTERVAL_MS: u64 = 50;
 /// How long a publisher in real-time mode waits for its consumers before the first message.
 const FIRST_WAIT: Duration = Duration::from_secs(5);
 
+/// How long it then waits for the recorder alone: one that is there answers at once, and one that stands still must
+/// not keep a stage that was started again from its work.
+const FIRST_WAIT_RECORDER: Duration = Duration::from_millis(500);
+
 /// How long a publisher that has ended waits for its consumers to leave.
 const LONGEST_LINGER: Duration = Duration::from_secs(2);
 
@@ -159,7 +163,7 @@ impl<M: Message> Publisher<M> {
     }
 
     /// Waits until the required consumers are connected: in lossless mode before every
-    /// message and for ever, in real time only before the first and not for long.
+    /// message and for ever, in real time only before the first and not for long, least of all for the recorder.
     ///
     /// A subscriber that exists is not yet connected: iceoryx2 drops what does not fit
     /// into the queue of one that has not looked for this publisher, whatever the
@@ -168,17 +172,22 @@ impl<M: Message> Publisher<M> {
     /// # Errors
     /// [`IpcError::Stopped`] if the user asks to stop meanwhile.
     pub fn wait_for_consumers(&self) -> Result<(), IpcError> {
-        if self.mode == Mode::RealTime && self.started.get() || self.has_consumers() {
+        if self.mode == Mode::RealTime && self.started.get() || self.missing() == 0 {
             self.started.set(true);
             return Ok(());
         }
         let topic = M::TOPIC.name();
         let (began, mut cleaned, mut told) = (Instant::now(), Instant::now(), false);
-        while !self.has_consumers() {
+        loop {
+            let missing = self.missing();
+            if missing == 0 {
+                break;
+            }
             if process::stop_requested() && (!self.started.get() || began.elapsed() > FIRST_WAIT) {
                 return Err(IpcError::Stopped { topic });
             }
-            if self.mode == Mode::RealTime && began.elapsed() > FIRST_WAIT {
+            let enough = if missing == bit(Consumer::Recorder) { FIRST_WAIT_RECORDER } else { FIRST_WAIT };
+            if self.mode == Mode::RealTime && began.elapsed() > enough {
                 break;
             }
             if cleaned.elapsed() > Duration::from_millis(CLEAN_INTERVAL_MS) {
@@ -197,8 +206,8 @@ impl<M: Message> Publisher<M> {
         Ok(())
     }
 
-    /// Whether all required consumers are there and have connected.
-    fn has_consumers(&self) -> bool {
+    /// Required consumers that are not there or have not connected, one bit each.
+    fn missing(&self) -> u32 {
         if self.awaited.get() != 0 {
             let _ = self.ready.try_wait(|event| {
                 self.awaited.set(self.awaited.get() & !(1_u32.checked_shl(event.id.as_value() as u32).unwrap_or(0)));
@@ -209,7 +218,7 @@ impl<M: Message> Publisher<M> {
             present |= bit(Consumer::of(details.subscriber_name.as_str()));
             CallbackProgression::Continue
         });
-        self.awaited.get() == 0 && self.consumers & !present == 0
+        self.awaited.get() | self.consumers & !present
     }
 
     /// Stays until the consumers have left, at most two seconds: what a publisher sends

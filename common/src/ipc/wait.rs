@@ -46,12 +46,40 @@ impl Wake {
 pub enum Flow {
     /// Wait until something arrives.
     Wait,
+    /// More is waiting: come back at once.
+    Again,
     /// The process has done its work.
     End,
 }
 
+/// A stage takes what waits for so long, then it says how it is and goes on.
+const TURN: Duration = Duration::from_millis(50);
+
+/// The time that a stage works off its input before it looks after itself: under overload a queue never becomes empty,
+/// and a stage that says nothing counts as one that hangs.
+#[derive(Debug, Clone, Copy)]
+pub struct Turn(Instant);
+
+impl Turn {
+    /// A turn that begins now.
+    pub fn begin() -> Self {
+        Self(Instant::now())
+    }
+
+    /// Whether it is time to look after other things.
+    pub fn is_over(&self) -> bool {
+        self.0.elapsed() > TURN
+    }
+
+    /// What the step asks for that has had this turn.
+    pub fn flow(&self) -> Flow {
+        if self.is_over() { Flow::Again } else { Flow::Wait }
+    }
+}
+
 /// Tells a silent upstream from own slowness: input that stays away for longer than
-/// `watchdog.silence_s`, a step that takes longer than `watchdog.slow_s`. Clones share what they know.
+/// `watchdog.silence_s`, work on the input that goes on for longer than `watchdog.slow_s` without catching up. Clones
+/// share what they know.
 #[derive(Debug, Clone)]
 pub struct Watchdog(Rc<Watch>);
 
@@ -64,6 +92,8 @@ struct Watch {
     condition: Cell<Condition>,
     silences: Cell<u32>,
     slow_steps: Cell<u32>,
+    /// How long the process has worked without catching up with its input.
+    busy: Cell<Duration>,
 }
 
 impl Watchdog {
@@ -77,6 +107,7 @@ impl Watchdog {
             condition: Cell::default(),
             silences: Cell::default(),
             slow_steps: Cell::default(),
+            busy: Cell::default(),
         }))
     }
 
@@ -107,12 +138,15 @@ impl Watchdog {
         }
     }
 
-    /// A step took this long.
-    fn step(&self, took: Duration) {
-        if took > self.0.slow {
-            self.0.slow_steps.set(self.0.slow_steps.get() + 1);
+    /// A step took this long, and whether it has caught up with the input.
+    fn step(&self, took: Duration, caught_up: bool) {
+        let before = self.0.busy.get();
+        let busy = before + took;
+        self.0.busy.set(if caught_up { Duration::ZERO } else { busy });
+        if busy > self.0.slow {
+            self.0.slow_steps.set(self.0.slow_steps.get() + u32::from(before <= self.0.slow));
             if self.0.condition.replace(Condition::Slow) != Condition::Slow {
-                tracing::warn!("slow: one step took {took:?}, allowed are {:?}", self.0.slow);
+                tracing::warn!("slow: behind its input for {busy:?}, allowed are {:?}", self.0.slow);
             }
         } else if self.0.condition.get() == Condition::Slow {
             self.0.condition.set(Condition::Fine);
@@ -121,7 +155,7 @@ impl Watchdog {
 }
 
 /// Calls `step` whenever a message has arrived on one of the topics, a signal has come
-/// or 100 ms have passed, until it returns [`Flow::End`]. `step` must take **all** waiting messages.
+/// or 100 ms have passed, until it returns [`Flow::End`]. `step` must take **all** waiting messages or say [`Flow::Again`].
 /// With [`WaitStrategy::Poll`] it is called all the time.
 ///
 /// # Errors
@@ -135,7 +169,8 @@ pub fn attend<E: From<IpcError>>(
         let (began, waited) = (Instant::now(), process::waited());
         let flow = step();
         // What it waited for its consumers is not its own slowness.
-        watchdog.step(began.elapsed().saturating_sub(process::waited().saturating_sub(waited)));
+        let worked = began.elapsed().saturating_sub(process::waited().saturating_sub(waited));
+        watchdog.step(worked, !matches!(flow, Ok(Flow::Again)));
         flow
     };
     match watchdog.0.wait {
@@ -164,8 +199,13 @@ fn sleep_until_woken<E: From<IpcError>>(
         guards.push(guard.map_err(|cause| failed(wake.topic.name(), &cause))?);
     }
     loop {
-        if step()? == Flow::End {
-            return Ok(());
+        match step()? {
+            Flow::End => return Ok(()),
+            Flow::Again => {
+                watchdog.input();
+                continue;
+            }
+            Flow::Wait => {}
         }
         // Its result only tells signals apart, which `step` sees by the stop flag.
         let _ = wait_set.wait_and_process_once_with_timeout(

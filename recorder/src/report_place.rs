@@ -1,0 +1,62 @@
+//! Where the report goes: room on the disk that is taken when the recorder starts, so that a disk which fills up
+//! during the run costs recordings and never the report.
+
+use std::fs::File;
+use std::io::{Seek, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use common::process::BadInput;
+use common::report::Report;
+use rustix::fs::{FallocateFlags, fallocate};
+
+/// Room for a report: more than the longest lists of misses and gaps need.
+const ROOM_BYTES: u64 = 1 << 20;
+
+/// The report's file until it is whole.
+#[derive(Debug)]
+pub(crate) struct ReportPlace {
+    path: PathBuf,
+    draft: PathBuf,
+    file: File,
+}
+
+impl ReportPlace {
+    /// Takes room beside the report `path`. A disk that is full already is met when the report is written.
+    ///
+    /// # Errors
+    /// [`BadInput`] if no file can be made there.
+    pub(crate) fn reserve(path: &Path) -> Result<Self, BadInput> {
+        let refuse = |error: std::io::Error| BadInput(format!("cannot write report {}: {error}", path.display()));
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(refuse)?;
+        }
+        let draft = path.with_extension("json.tmp");
+        let file = File::create(&draft).map_err(refuse)?;
+        if let Err(error) = fallocate(&file, FallocateFlags::empty(), 0, ROOM_BYTES) {
+            tracing::warn!("no room was taken for report {}: {error}", path.display());
+        }
+        Ok(Self { path: path.to_path_buf(), draft, file })
+    }
+
+    /// Writes the report and renames it into place: whoever waits for it finds it complete.
+    ///
+    /// # Errors
+    /// Writing fails.
+    pub(crate) fn write(mut self, report: &Report) -> anyhow::Result<()> {
+        let text = report.to_json();
+        let mut write = || {
+            self.file.rewind()?;
+            self.file.write_all(text.as_bytes())?;
+            self.file.set_len(text.len() as u64)?;
+            std::fs::rename(&self.draft, &self.path)
+        };
+        write().with_context(|| format!("writing {}", self.path.display()))
+    }
+}
+
+impl Drop for ReportPlace {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.draft); // gone already if the report was written
+    }
+}
