@@ -12,7 +12,7 @@ mod parts;
 
 pub use gap::{Gap, GapReason};
 pub use message::{Recorded, RecordedRef};
-pub use parts::{part_name, parts_from, parts_of};
+pub use parts::{part_name, parts_from, parts_of, parts_of_run, run_and_part};
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
