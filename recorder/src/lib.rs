@@ -20,6 +20,7 @@ mod processes;
 pub mod recording;
 pub mod replay;
 pub mod replay_process;
+mod retention;
 pub mod scoring;
 pub mod verify;
 pub mod window;
