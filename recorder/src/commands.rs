@@ -14,6 +14,7 @@ use common::recording::{self, Messages, Recorded, RecordingError, parts_from};
 use common::report::Report;
 use common::services::Topic;
 use recorder::export::{ExportError, Format};
+use recorder::replay::recorded_config;
 use recorder::scoring::Scoring;
 use recorder::verify::Verification;
 use recorder::{diff, export, info, replay_process};
@@ -40,8 +41,11 @@ pub(crate) fn verify(paths: &[PathBuf]) -> anyhow::Result<ExitCode> {
     Ok(if findings == 0 { ExitCode::SUCCESS } else { ExitCode::from(EXIT_CHECK_BROKEN) })
 }
 
-/// Prints the configuration of the recorded run.
-pub(crate) fn config(path: &Path) -> anyhow::Result<ExitCode> {
+/// Prints the configuration of the recorded run, or the one of its replay.
+pub(crate) fn config(path: &Path, replay: bool) -> anyhow::Result<ExitCode> {
+    if replay {
+        return say(&recorded_config(path)?.to_toml());
+    }
     let mut reader = Reader::new(open_container(path)?);
     let config = reader.description().map(|description| description.config.clone());
     say(&config.ok_or_else(|| BadInput(format!("{} holds no configuration", path.display())))?)

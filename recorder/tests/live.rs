@@ -295,6 +295,50 @@ fn a_part_of_a_recording_goes_out_again_and_nothing_before_it_counts_as_lost() {
 }
 
 #[test]
+fn stages_started_by_hand_replay_a_run_and_leave_it_as_it_was() {
+    let chain = Chain::new();
+    let end = 10 * SECTORS;
+    {
+        let mut child = chain.recorder(&[]);
+        let stages = Stages::new(&chain.station);
+        stages.publish(0, end, end);
+        stages.linger();
+        assert_eq!(child.wait().code(), Some(0));
+    }
+    let folder = chain.folder.path();
+    let file = chain.part(0);
+    let content = |path: &Path| std::fs::read(path).expect("a file");
+    let before = (content(&file), content(&folder.join("report.json")));
+
+    let (code, text, errors) = recorder(&["config", name(&file), "--replay"]);
+    assert_eq!(code, Some(0), "{errors}");
+    let config = folder.join("replay.toml");
+    std::fs::write(&config, text).expect("written");
+    // This test has no tracker: the recorded tracks go out again.
+    let by_hand = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_recorder"));
+        command.current_dir(folder).args(arguments).args(["--config", name(&config)]);
+        command.args(["--set", "replay.topics=[\"plots\", \"tracks\", \"truth\"]"]);
+        command.args(["--ipc-prefix", &chain.config.ipc.prefix]);
+        command
+    };
+    let mut child = Recorder(by_hand(&[]).spawn().expect("the recorder starts"));
+    let replay = by_hand(&["replay", name(&file), "--speed", "max"]).output().expect("the replay starts");
+    assert_eq!(replay.status.code(), Some(0), "{}", String::from_utf8_lossy(&replay.stderr));
+    assert_eq!(child.wait().code(), Some(0));
+
+    assert!((content(&file), content(&folder.join("report.json"))) == before, "the old run is as it was");
+    let files = std::fs::read_dir(folder.join("recordings")).expect("a folder").count();
+    assert_eq!(files, 1, "nothing lies beside the old run");
+    let text = std::fs::read_to_string(folder.join("replay/report.json")).expect("a report");
+    let report: Report = serde_json::from_str(&text).expect("a report of this version");
+    assert_eq!((report.messages["plots"], report.messages["tracks"], report.lost()), (end, end, 0));
+    let again = report.recording.expect("a recording");
+    let (code, text, errors) = recorder(&["diff", name(&file), name(&folder.join(again))]);
+    assert_eq!(code, Some(0), "{text}{errors}");
+}
+
+#[test]
 fn a_recorder_killed_and_restarted_reports_the_whole_run_and_its_own_loss() {
     let chain = Chain::new();
     let mut child = chain.recorder(&[]);
