@@ -125,6 +125,54 @@ fn a_spoilt_chunk_is_found_by_its_place_and_the_others_are_read() {
 }
 
 #[test]
+fn what_follows_the_end_is_found() {
+    let bytes = recording(0, 0, 20 * CHUNK, None, true);
+    for more in [&[0_u8][..], b"more", &bytes] {
+        let (text, findings) = verify(&[&[&bytes[..], more].concat()]);
+        let place = format!("FOUND damaged container: byte {}: bytes after the end", bytes.len());
+        assert!(findings == 1 && text.contains(&place), "{} bytes more: {text}", more.len());
+    }
+}
+
+#[test]
+fn parts_that_are_missing_between_others_are_named() {
+    let parts: Vec<Vec<u8>> = (0..5).map(|part| recording(part as u32, part * 7, part * 7 + 7, None, true)).collect();
+    let check = |numbers: &[usize]| verify(&numbers.iter().map(|&part| parts[part].as_slice()).collect::<Vec<_>>());
+    assert_eq!(check(&[0, 1, 2, 3, 4]).1, 0);
+    let cases = [
+        (&[0, 2][..], "part 1 of the run is missing"),
+        (&[0, 1, 4], "parts 2 to 3 of the run are missing"),
+        (&[1, 0], "part 0 comes after part 1"),
+        (&[2, 2], "part 2 comes after part 2"),
+    ];
+    for (numbers, words) in cases {
+        let (text, findings) = check(numbers);
+        assert!(findings >= 1 && text.contains(&format!("FOUND {words}")), "{numbers:?}: {text}");
+    }
+}
+
+#[test]
+fn a_lone_part_is_checked_against_what_was_counted_before_it() {
+    let mut fold = recorder::Fold::new(&common::config::ChainConfig::default());
+    for seq in 0..30 {
+        fold.take(message(seq, seq).by_ref(), 0);
+    }
+    let part = |from| {
+        let mut file = Cursor::new(Vec::new());
+        let mut writer = Writer::new(&mut file, &description(1), &fold.counts(), 1 << 20).expect("memory");
+        for seq in from..60 {
+            writer.write(message(seq, seq).by_ref()).expect("memory");
+        }
+        writer.finish().expect("memory");
+        file.into_inner()
+    };
+    let (text, findings) = verify(&[&part(30)]);
+    assert_eq!(findings, 0, "{text}");
+    let (text, findings) = verify(&[&part(34)]);
+    assert!(findings == 1 && text.contains("4 missing at positions 30 to 33"), "{text}");
+}
+
+#[test]
 fn what_is_missing_must_be_what_the_gaps_say() {
     let gap = |count| Gap {
         topic: Topic::Tracks,

@@ -78,6 +78,7 @@ impl<R: Read> Blocks<R> {
             .with_emit_chunks(true)
             .with_validate_data_section_crc(checking)
             .with_validate_summary_section_crc(checking)
+            .with_check_finishes_after_end_magic(checking)
             .with_record_length_limit(LONGEST_RECORD);
         Self {
             input,
@@ -118,6 +119,11 @@ impl<R: Read> Blocks<R> {
             // The end of a file that was cut: what is whole has been given out.
             Some(Err(McapError::UnexpectedEof)) => return Some(self.end(false)),
             None => return Some(self.end(self.data_ended)),
+            Some(Err(McapError::BytesAfterEndMagic)) => {
+                self.ended = true;
+                let offset = self.offset + super::MAGIC.len() as u64;
+                return Some(Block::Spoilt { offset, message: "bytes after the end of the recording".into() });
+            }
             Some(Err(error)) => {
                 self.ended = true;
                 return Some(Block::Spoilt { offset: self.offset, message: error.to_string() });
