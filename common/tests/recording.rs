@@ -76,6 +76,21 @@ fn a_container_reads_back_with_its_description() {
     assert!(reader.is_whole());
 }
 
+/// Health has no measurement time: viewers find it where it was said, at that of the last message before.
+#[test]
+fn health_lies_at_the_time_of_the_message_before_it() {
+    let written = messages(2);
+    let bytes = container(&written, 7);
+    let (mut before, mut health) = (0, 0);
+    for (message, recorded) in mcap::MessageStream::new(&bytes).expect("a container").zip(&written) {
+        let time_ns = recorded.by_ref().time_ns();
+        health += u32::from(time_ns == 0);
+        before = if time_ns == 0 { before } else { time_ns };
+        assert_eq!(message.expect("a message").log_time, before);
+    }
+    assert_eq!(health, 2);
+}
+
 /// At every place in the file: all whole chunks before the cut, no error, no panic.
 #[test]
 fn a_container_cut_anywhere_is_readable_to_its_last_whole_chunk() {

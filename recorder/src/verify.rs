@@ -95,7 +95,9 @@ impl Verification {
                     }
                     count.time_ns[topic as usize] = (session, time_ns);
                     count.messages += 1;
-                    count.last = Some((topic, seq, time_ns));
+                    // Health has no measurement time: it was said about when the message before it was measured.
+                    let last_ns = if topic == Topic::Health { count.last.map_or(0, |(.., ns)| ns) } else { time_ns };
+                    count.last = Some((topic, seq, last_ns));
                 }
                 Err(error) => self.find(&mut count, &error.to_string()),
             }
