@@ -7,7 +7,7 @@ use std::rc::Rc;
 use common::dwell::DwellHeader;
 use common::health::Health;
 use common::plots::{Plot, PlotsHeader};
-use common::recording::container::{Description, Reader, Writer};
+use common::recording::container::{self, Description, Reader, Writer};
 use common::recording::{Recorded, RecordingError, jsonl, open};
 use common::services::{HealthHeader, Topic};
 use common::tracks::{Track, TracksHeader};
@@ -74,6 +74,31 @@ fn a_container_reads_back_with_its_description() {
     let read: Vec<Recorded> = reader.by_ref().collect::<Result<_, _>>().expect("whole");
     assert_eq!(read, written);
     assert!(reader.is_whole());
+}
+
+/// Old files need the old structs: their bytes must not be read as something else.
+#[test]
+fn messages_of_another_version_are_refused_by_name() {
+    let (mut file, none) = (Cursor::new(Vec::new()), std::collections::BTreeMap::new());
+    let mut writer = mcap::Writer::new(&mut file).expect("memory");
+    let mut channel = |topic, schema| {
+        let schema = writer.add_schema(schema, "rust", b"").expect("memory");
+        writer.add_channel(schema, topic, "bincode", &none).expect("memory")
+    };
+    let ids = [channel("radar/here/plots", "plots/9"), channel("radar/here/tracks", "tracks/2")];
+    let mut tracks = Vec::new();
+    container::encode(Recorded::Tracks(TracksHeader::default(), Vec::new()).by_ref(), &mut tracks).expect("memory");
+    for (channel_id, payload) in [(ids[0], &tracks), (ids[0], &tracks), (ids[1], &tracks)] {
+        let header = mcap::records::MessageHeader { channel_id, sequence: 0, log_time: 0, publish_time: 0 };
+        writer.write_to_known_channel(&header, payload).expect("memory");
+    }
+    writer.finish().expect("memory");
+    drop(writer);
+    let read: Vec<_> = Reader::new(file.get_ref().as_slice()).collect();
+    assert_eq!(read.len(), 2);
+    let error = read[0].as_ref().expect_err("another version").to_string();
+    assert!(error.contains("radar/here/plots: recorded as plots/9, this version reads plots/2"), "{error}");
+    assert!(matches!(read[1], Ok(Recorded::Tracks(..))));
 }
 
 /// Health has no measurement time: viewers find it where it was said, at that of the last message before.
