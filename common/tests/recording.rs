@@ -8,7 +8,7 @@ use common::dwell::DwellHeader;
 use common::health::Health;
 use common::plots::{Plot, PlotsHeader};
 use common::recording::container::{self, Description, Reader, Writer};
-use common::recording::{Recorded, RecordingError, jsonl, open};
+use common::recording::{Recorded, RecordingError, jsonl, open, open_container as container_form};
 use common::services::{HealthHeader, Topic};
 use common::tracks::{Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget};
@@ -240,6 +240,12 @@ fn open_tells_the_forms_apart() {
     };
     assert_eq!(topics(&file("a.mcap", &container(&messages(1), 2))).len(), 10);
     assert!(topics(&file("empty", b"")).is_empty());
+    for length in 1..8 {
+        let path = file("cut", &container::MAGIC[..length]);
+        assert!(topics(&path).is_empty() && container_form(&path).is_ok(), "{length} bytes");
+    }
+    let lines = container_form(&file("lines.mcap", b"{}")).expect_err("JSON lines").to_string();
+    assert!(lines.ends_with("lines.mcap holds JSON lines, expected an MCAP recording"), "{lines}");
     let error = |path: &std::path::Path| open(path).err().expect("must be refused").to_string();
     assert!(error(&file("x", b"\x7fELF")).contains("is not a recording"));
     assert!(error(folder.path()).contains("directory"));

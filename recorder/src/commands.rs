@@ -51,14 +51,9 @@ pub(crate) fn config(path: &Path, replay: bool) -> anyhow::Result<ExitCode> {
     say(&config.ok_or_else(|| BadInput(format!("{} holds no configuration", path.display())))?)
 }
 
-/// Opens an MCAP recording.
-fn open_container(path: &Path) -> anyhow::Result<File> {
-    // `open` checks the form; the container is read by itself because only it has a description.
-    drop(open(path)?);
-    if path.extension().is_some_and(|extension| extension == "jsonl") {
-        return Err(BadInput(format!("{} holds JSON lines, expected an MCAP recording", path.display())).into());
-    }
-    File::open(path).with_context(|| format!("opening {}", path.display()))
+/// Opens a recording that has a description.
+fn open_container(path: &Path) -> Result<File, BadInput> {
+    recording::open_container(path).map_err(|error| BadInput(error.to_string()))
 }
 
 /// Writes topics of a recording as files.

@@ -54,6 +54,8 @@ pub struct Blocks<R: Read> {
     records: LinearReader,
     unpacker: Option<zstd::bulk::Decompressor<'static>>,
     offset: u64,
+    /// Bytes that the input has given.
+    taken: u64,
     /// Reads on to the last byte and compares the checksums and the index of the whole file.
     checking: bool,
     chunks: Vec<u64>,
@@ -85,6 +87,7 @@ impl<R: Read> Blocks<R> {
             records: LinearReader::new_with_options(options),
             unpacker: None,
             offset: super::MAGIC.len() as u64,
+            taken: 0,
             checking,
             chunks: Vec::new(),
             indexed: 0,
@@ -99,7 +102,8 @@ impl<R: Read> Blocks<R> {
             let message = format!("the index names {} of {} chunks", self.indexed, self.chunks.len());
             return Block::Spoilt { offset: self.offset, message };
         }
-        Block::End(End { whole, readable: self.offset })
+        // A file that ends within its first bytes ends before the first record.
+        Block::End(End { whole, readable: self.offset.min(self.taken) })
     }
 
     /// The next record, if it says something.
@@ -107,7 +111,10 @@ impl<R: Read> Blocks<R> {
         let (opcode, content) = match self.records.next_event() {
             Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
                 match read(&mut self.input, self.records.insert(wanted)) {
-                    Ok(count) => self.records.notify_read(count),
+                    Ok(count) => {
+                        self.taken += count as u64;
+                        self.records.notify_read(count);
+                    }
                     Err(error) => {
                         self.ended = true;
                         return Some(Block::Spoilt { offset: self.offset, message: error.to_string() });
