@@ -2,11 +2,14 @@
 
 use std::io::Cursor;
 
+use common::health::Health;
 use common::message::Lineage;
+use common::plots::{Plot, PlotsHeader};
 use common::recording::container::{Block, Blocks, Description, Reader, Writer};
 use common::recording::{Gap, GapReason, Recorded, RecordingError};
-use common::services::Topic;
+use common::services::{HealthHeader, Topic};
 use common::tracks::{Track, TracksHeader};
+use common::truth::{TruthHeader, TruthTarget};
 use recorder::verify::Verification;
 
 /// Random places with a fixed seed.
@@ -122,6 +125,73 @@ fn a_spoilt_chunk_is_found_by_its_place_and_the_others_are_read() {
         assert_eq!(read.iter().filter(|message| message.is_err()).count(), 1);
         let (text, findings) = verify(&[&spoilt]);
         assert!(findings >= 1 && text.contains("FOUND damaged container: byte"), "byte {place}: {text}");
+    }
+}
+
+/// Plots, tracks, truth and health as a chain sends them, in chunks of seven messages.
+fn mixed(scans: u64) -> (Vec<Recorded>, Vec<u8>) {
+    let mut messages = Vec::new();
+    for seq in 0..scans * 4 {
+        let time_ns = 1_700_000_000_000_000_000 + seq * 250_000_000;
+        let lineage = Lineage { published_before: seq, ..Lineage::default() };
+        let header = PlotsHeader { seq, session: 2, time_ns, lineage, ..PlotsHeader::default() };
+        let plot = Plot { time_ns, range_m: (seq as f64).sqrt(), ..Plot::default() };
+        messages.push(Recorded::Plots(header, vec![plot; (seq % 3) as usize]));
+        messages.push(message(seq, seq));
+        if seq % 4 == 3 {
+            let header = TruthHeader { seq: seq / 4, session: 1, time_ns, ..TruthHeader::default() };
+            messages.push(Recorded::Truth(header, vec![TruthTarget { time_ns, ..TruthTarget::default() }]));
+            let mut health = Health { session: 3, seq: seq / 4, ..Health::default() };
+            health.set_process("tracker");
+            messages.push(Recorded::Health(HealthHeader { session: 3, seq: seq / 4 }, vec![health]));
+        }
+    }
+    let mut file = Cursor::new(Vec::new());
+    let mut writer = Writer::new(&mut file, &description(0), "", 1 << 20).expect("memory");
+    for (index, message) in (1..).zip(&messages) {
+        writer.write(message.by_ref()).expect("memory");
+        if index % CHUNK == 0 {
+            writer.flush().expect("memory");
+        }
+    }
+    writer.finish().expect("memory");
+    (messages, file.into_inner())
+}
+
+#[test]
+fn a_byte_spoilt_anywhere_is_found_and_nothing_wrong_is_read() {
+    let (messages, bytes) = mixed(30);
+    let (text, findings) = verify(&[&bytes]);
+    assert_eq!(findings, 0, "{text}");
+    let mut places = Places(6);
+    // Header, chunks, index and footer: the first and last bytes one by one, and a thousand anywhere.
+    let ends = (0..64).chain(bytes.len() - 64..bytes.len());
+    for place in ends.chain((0..1000).map(|_| places.below(bytes.len()))) {
+        let mut spoilt = bytes.clone();
+        spoilt[place] ^= 0x55;
+        let (text, findings) = verify(&[&spoilt]);
+        assert!(findings >= 1, "byte {place} of {}: {text}", bytes.len());
+        // Whatever is read was written, in its order.
+        let mut written = messages.iter();
+        for read in Reader::new(spoilt.as_slice()).flatten() {
+            assert!(written.any(|message| *message == read), "byte {place}: {read:?}");
+        }
+    }
+}
+
+#[test]
+fn a_mixed_recording_cut_anywhere_gives_its_first_messages() {
+    let (messages, bytes) = mixed(30);
+    let mut places = Places(7);
+    for _ in 0..1000 {
+        let cut = places.below(bytes.len());
+        let read: Vec<Recorded> = Reader::new(&bytes[..cut])
+            .collect::<Result<_, _>>()
+            .unwrap_or_else(|error| panic!("cut at {cut}: {error}"));
+        assert!(read == messages[..read.len()], "cut at {cut}");
+        assert!(read.len() as u64 % CHUNK == 0 || read.len() == messages.len(), "cut at {cut}: {}", read.len());
+        let (text, findings) = verify(&[&bytes[..cut]]);
+        assert!(findings == 1 && text.contains("cut: ends at byte"), "cut at {cut}: {text}");
     }
 }
 
