@@ -197,12 +197,7 @@ fn unbalanced(book: &Book) -> String {
 
 /// What is wrong with the parts of the run whose last one is `part`.
 fn recordings(part: &Path) -> Vec<String> {
-    let name = part.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let stem = name.trim_end_matches(".mcap").trim_end_matches(|c: char| c.is_ascii_digit()).to_string();
-    let folder = part.parent().unwrap_or(Path::new("."));
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut parts: Vec<_> = entries.map(|entry| entry.path()).filter(|path| is_part(path, &stem)).collect();
-    parts.sort();
+    let parts = common::recording::parts_of_run(part);
     let mut verification = recorder::verify::Verification::default();
     for path in &parts {
         let Ok(file) = std::fs::File::open(path) else { return vec![format!("{} cannot be read", path.display())] };
@@ -212,10 +207,4 @@ fn recordings(part: &Path) -> Vec<String> {
     let (text, findings) = verification.finish();
     println!("\n{} recordings verified, {findings} findings", parts.len());
     if findings == 0 { Vec::new() } else { text.lines().map(String::from).collect() }
-}
-
-/// Whether a file is a part of the run whose files begin with `stem`.
-fn is_part(path: &Path, stem: &str) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.starts_with(stem) && path.extension().is_some_and(|extension| extension == "mcap")
 }

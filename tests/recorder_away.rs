@@ -10,20 +10,29 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use common::ipc::Station;
+use common::message::Stamps;
 use common::recording::Recorded;
 use common::report::{Book, Report};
 use common::services::{Topic, Tracks};
+use common::tracks::{Track, TracksHeader};
 use recorder::verify::Verification;
 use support::{Bench, number, output, signal, small_config, text_of};
 
-const SCANS: u32 = 60;
+const SCANS: u32 = 150;
 /// Sectors of a scan of the small radar.
 const SECTORS: u64 = 8;
 /// A guard against hanging, not a measurement.
 const DEADLINE: Duration = Duration::from_secs(120);
 
-/// Tracks by position in the schedule, in a form that compares every digit.
+/// Headers and tracks by position in the schedule, in a form that compares every digit.
 type BySector = BTreeMap<u64, String>;
+
+/// A message without what differs from run to run.
+fn described(header: &TracksHeader, tracks: &[Track]) -> String {
+    let mut header = *header;
+    (header.session, header.stamps, header.lineage.session) = (0, Stamps::default(), 0);
+    format!("{header:?} {tracks:?}")
+}
 
 /// What an undisturbed run gives.
 fn undisturbed() -> BySector {
@@ -36,7 +45,7 @@ fn undisturbed() -> BySector {
 fn tracks_of(parts: &[PathBuf]) -> BySector {
     let messages = parts.iter().flat_map(|part| common::recording::open(part).expect("a recording"));
     let tracks = messages.map_while(Result::ok).filter_map(|message| match message {
-        Recorded::Tracks(header, tracks) => Some((header.seq, format!("{tracks:?}"))),
+        Recorded::Tracks(header, tracks) => Some((header.seq, described(&header, &tracks))),
         _ => None,
     });
     tracks.collect()
@@ -56,7 +65,7 @@ fn observe(bench: &Bench, mut at: impl FnMut(u32)) -> BySector {
     while seen.keys().next_back() != Some(&(u64::from(SCANS) * SECTORS - 1)) {
         assert!(began.elapsed() < DEADLINE, "the last tracks seen are {:?}", seen.keys().next_back());
         while let Some(message) = tracks.receive().expect("a queue") {
-            seen.insert(message.header().seq, format!("{:?}", message.elements()));
+            seen.insert(message.header().seq, described(message.header(), message.elements()));
             at(message.header().scan);
         }
         std::thread::sleep(Duration::from_millis(1));
@@ -64,11 +73,12 @@ fn observe(bench: &Bench, mut at: impl FnMut(u32)) -> BySector {
     seen
 }
 
-/// Everything observed is as in the undisturbed run, and most of it was observed.
+/// Everything observed is as in the undisturbed run. The observer joins a chain that runs already and looks once a
+/// millisecond, so it may miss the first scans, and a few sectors on a busy machine.
 fn assert_undisturbed(seen: &BySector) {
     let wanted = undisturbed();
     assert_eq!(wanted.len() as u64, u64::from(SCANS) * SECTORS);
-    assert!(seen.len() * 10 > wanted.len() * 8, "{} of {} seen", seen.len(), wanted.len());
+    assert!(seen.len() * 10 > wanted.len() * 9, "{} of {} seen", seen.len(), wanted.len());
     for (seq, tracks) in seen {
         assert_eq!(tracks, &wanted[seq], "sector {seq}");
     }
@@ -102,10 +112,11 @@ fn a_recorder_that_stands_still_costs_no_track() {
     let recorder = bench.wait_for("the recorder", |status| number(status, "recorder", "pid")) as u32;
     let mut stopped = false;
     let seen = observe(&bench, |scan| {
-        if (15..40).contains(&scan) && !stopped {
+        // 120 scans of a quarter of a second: half a minute.
+        if (15..135).contains(&scan) && !stopped {
             signal(recorder, "STOP");
             stopped = true;
-        } else if scan >= 40 && stopped {
+        } else if scan >= 135 && stopped {
             signal(recorder, "CONT");
             stopped = false;
         }
@@ -114,8 +125,8 @@ fn a_recorder_that_stands_still_costs_no_track() {
     assert_eq!(output.status.code(), Some(0), "{}", text_of(&output));
     assert_undisturbed(&seen);
     let report = assert_exact(&bench, &bench.recordings());
-    // 25 scans less what its queue held.
-    assert!(report.loss["tracks"]["recorder"] > 20 * SECTORS, "{:?}", report.loss);
+    // 120 scans less what its queue held.
+    assert!(report.loss["tracks"]["recorder"] > 110 * SECTORS, "{:?}", report.loss);
 }
 
 #[test]
@@ -147,13 +158,14 @@ struct Space {
 }
 
 impl Space {
-    /// None where no namespace can be made.
+    /// None where a user may not make namespaces.
     fn new() -> Option<Self> {
         let possible = output(&mut unshare("mount -t tmpfs none /mnt"));
         if possible.status.success() {
             return Some(Self { bench: Bench::new() });
         }
-        assert!(std::env::var_os("CI").is_none(), "checks before landing need namespaces: {}", text_of(&possible));
+        let needed = std::env::var_os("CI").is_some() || rustix::process::geteuid().is_root();
+        assert!(!needed, "root and checks before landing need namespaces: {}", text_of(&possible));
         eprintln!("no namespace can be made here: not tested");
         None
     }

@@ -7,8 +7,8 @@ use std::rc::Rc;
 use common::dwell::DwellHeader;
 use common::health::Health;
 use common::plots::{Plot, PlotsHeader};
-use common::recording::container::{Description, Reader, Writer};
-use common::recording::{Recorded, RecordingError, jsonl, open};
+use common::recording::container::{self, Description, Reader, Writer};
+use common::recording::{Recorded, RecordingError, jsonl, open, open_container as container_form};
 use common::services::{HealthHeader, Topic};
 use common::tracks::{Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget};
@@ -74,6 +74,46 @@ fn a_container_reads_back_with_its_description() {
     let read: Vec<Recorded> = reader.by_ref().collect::<Result<_, _>>().expect("whole");
     assert_eq!(read, written);
     assert!(reader.is_whole());
+}
+
+/// Old files need the old structs: their bytes must not be read as something else.
+#[test]
+fn messages_of_another_version_are_refused_by_name() {
+    let (mut file, none) = (Cursor::new(Vec::new()), std::collections::BTreeMap::new());
+    let mut writer = mcap::Writer::new(&mut file).expect("memory");
+    let mut channel = |topic, schema| {
+        let schema = writer.add_schema(schema, "rust", b"").expect("memory");
+        writer.add_channel(schema, topic, "bincode", &none).expect("memory")
+    };
+    let ids = [channel("radar/here/plots", "plots/9"), channel("radar/here/tracks", "tracks/2")];
+    let mut tracks = Vec::new();
+    container::encode(Recorded::Tracks(TracksHeader::default(), Vec::new()).by_ref(), &mut tracks).expect("memory");
+    for (channel_id, payload) in [(ids[0], &tracks), (ids[0], &tracks), (ids[1], &tracks)] {
+        let header = mcap::records::MessageHeader { channel_id, sequence: 0, log_time: 0, publish_time: 0 };
+        writer.write_to_known_channel(&header, payload).expect("memory");
+    }
+    writer.finish().expect("memory");
+    drop(writer);
+    let read: Vec<_> = Reader::new(file.get_ref().as_slice()).collect();
+    assert_eq!(read.len(), 2);
+    let error = read[0].as_ref().expect_err("another version").to_string();
+    assert!(error.contains("radar/here/plots: recorded as plots/9, this version reads plots/2"), "{error}");
+    assert!(matches!(read[1], Ok(Recorded::Tracks(..))));
+}
+
+/// Health has no measurement time: viewers find it where it was said, at that of the last message before.
+#[test]
+fn health_lies_at_the_time_of_the_message_before_it() {
+    let written = messages(2);
+    let bytes = container(&written, 7);
+    let (mut before, mut health) = (0, 0);
+    for (message, recorded) in mcap::MessageStream::new(&bytes).expect("a container").zip(&written) {
+        let time_ns = recorded.by_ref().time_ns();
+        health += u32::from(time_ns == 0);
+        before = if time_ns == 0 { before } else { time_ns };
+        assert_eq!(message.expect("a message").log_time, before);
+    }
+    assert_eq!(health, 2);
 }
 
 /// At every place in the file: all whole chunks before the cut, no error, no panic.
@@ -200,6 +240,12 @@ fn open_tells_the_forms_apart() {
     };
     assert_eq!(topics(&file("a.mcap", &container(&messages(1), 2))).len(), 10);
     assert!(topics(&file("empty", b"")).is_empty());
+    for length in 1..8 {
+        let path = file("cut", &container::MAGIC[..length]);
+        assert!(topics(&path).is_empty() && container_form(&path).is_ok(), "{length} bytes");
+    }
+    let lines = container_form(&file("lines.mcap", b"{}")).expect_err("JSON lines").to_string();
+    assert!(lines.ends_with("lines.mcap holds JSON lines, expected an MCAP recording"), "{lines}");
     let error = |path: &std::path::Path| open(path).err().expect("must be refused").to_string();
     assert!(error(&file("x", b"\x7fELF")).contains("is not a recording"));
     assert!(error(folder.path()).contains("directory"));

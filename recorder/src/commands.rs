@@ -14,6 +14,7 @@ use common::recording::{self, Messages, Recorded, RecordingError, parts_from};
 use common::report::Report;
 use common::services::Topic;
 use recorder::export::{ExportError, Format};
+use recorder::replay::recorded_config;
 use recorder::scoring::Scoring;
 use recorder::verify::Verification;
 use recorder::{diff, export, info, replay_process};
@@ -40,31 +41,38 @@ pub(crate) fn verify(paths: &[PathBuf]) -> anyhow::Result<ExitCode> {
     Ok(if findings == 0 { ExitCode::SUCCESS } else { ExitCode::from(EXIT_CHECK_BROKEN) })
 }
 
-/// Prints the configuration of the recorded run.
-pub(crate) fn config(path: &Path) -> anyhow::Result<ExitCode> {
+/// Prints the configuration of the recorded run, or the one of its replay.
+pub(crate) fn config(path: &Path, replay: bool) -> anyhow::Result<ExitCode> {
+    if replay {
+        return say(&recorded_config(path)?.to_toml());
+    }
     let mut reader = Reader::new(open_container(path)?);
     let config = reader.description().map(|description| description.config.clone());
     say(&config.ok_or_else(|| BadInput(format!("{} holds no configuration", path.display())))?)
 }
 
-/// Opens an MCAP recording.
-fn open_container(path: &Path) -> anyhow::Result<File> {
-    // `open` checks the form; the container is read by itself because only it has a description.
-    drop(open(path)?);
-    if path.extension().is_some_and(|extension| extension == "jsonl") {
-        return Err(BadInput(format!("{} holds JSON lines, expected an MCAP recording", path.display())).into());
-    }
-    File::open(path).with_context(|| format!("opening {}", path.display()))
+/// Opens a recording that has a description.
+fn open_container(path: &Path) -> Result<File, BadInput> {
+    recording::open_container(path).map_err(|error| BadInput(error.to_string()))
 }
 
-/// Writes topics of a recording as files.
+/// Writes topics of a run as files: exit code 0, or 1 if something in the recording could not be read.
 pub(crate) fn export(path: &Path, topics: &[Topic], format: Format, out: &Path) -> anyhow::Result<ExitCode> {
-    let files = export::export(open(path)?, topics, format, out).map_err(|error| match error {
+    let mut skipped = false;
+    let readable = open_run(path)?.filter(|message| {
+        if let Err(error) = message {
+            skipped = true;
+            common::process::say(&format!("skipped: {error}"));
+        }
+        message.is_ok()
+    });
+    let files = export::export(readable, topics, format, out).map_err(|error| match error {
         ExportError::Recording(error) => in_file(path, &error),
         other => BadInput(other.to_string()),
     })?;
     let lines: Vec<String> = files.iter().map(|(file, rows)| format!("{} {rows} rows\n", file.display())).collect();
-    say(&lines.concat())
+    say(&lines.concat())?;
+    Ok(if skipped { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })
 }
 
 /// Puts recorded topics onto the services.
@@ -81,7 +89,7 @@ pub(crate) fn replay(config: &ChainConfig) -> anyhow::Result<ExitCode> {
 
 /// Compares two recordings: exit code 0 if they are equal, 1 with the first difference.
 pub(crate) fn diff(a: &Path, b: &Path) -> anyhow::Result<ExitCode> {
-    let difference = diff::first_difference(open(a)?, open(b)?)
+    let difference = diff::first_difference(open_run(a)?, open_run(b)?)
         .map_err(|error| BadInput(format!("comparing {} and {}: {error}", a.display(), b.display())))?;
     match difference {
         None => say("equal\n"),
@@ -114,21 +122,27 @@ pub(crate) fn score(
     say(&Report { detection, tracking, ..Report::default() }.scores_to_text())
 }
 
-fn open(path: &Path) -> Result<Messages, BadInput> {
-    recording::open(path).map_err(|error| BadInput(error.to_string()))
+/// The messages of a recording and of the later parts of its run; errors name the file.
+fn open_run(path: &Path) -> Result<Messages, BadInput> {
+    // What is wrong with the first file is said at once.
+    drop(recording::open(path).map_err(|error| BadInput(error.to_string()))?);
+    Ok(Box::new(parts_from(path).into_iter().flat_map(|part| -> Messages {
+        match recording::open(&part) {
+            Ok(messages) => Box::new(messages.map(move |message| {
+                message.map_err(|error| RecordingError::Container { message: in_file(&part, &error).to_string() })
+            })),
+            Err(error) => Box::new(std::iter::once(Err(error))),
+        }
+    })))
 }
 
 /// The messages of one topic; the same file may be opened for several.
 fn open_topic(path: &Path, topic: Topic) -> Result<Peekable<Messages>, BadInput> {
-    let name = path.to_path_buf();
-    let wanted = open(path)?.filter(move |message| match message {
+    let wanted: Messages = Box::new(open_run(path)?.filter(move |message| match message {
         Ok(message) => message.by_ref().topic() == topic,
         Err(_) => true,
-    });
-    let named: Messages = Box::new(wanted.map(move |message| {
-        message.map_err(|error| RecordingError::Container { message: in_file(&name, &error).to_string() })
     }));
-    Ok(named.peekable())
+    Ok(wanted.peekable())
 }
 
 /// The earliest of the next messages of several recordings.

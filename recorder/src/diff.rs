@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 
 use common::message::{Lineage, Stamps};
-use common::recording::{Recorded, RecordingError};
+use common::recording::{Recorded, RecordingError, container};
 use common::services::{ALL_TOPICS, TOPICS, Topic};
 
 /// The first difference, in words; `None` if there is none.
@@ -58,12 +58,20 @@ impl Pairing {
         }
         let partner = self.waiting.pop_front()?;
         let (a, b) = if of_first { (&message, &partner) } else { (&partner, &message) };
-        if a != b {
+        if encoded(a) != encoded(b) {
             return Some(format!("message {}, {}", self.compared, describe(a, b)));
         }
         self.compared += 1;
         None
     }
+}
+
+/// The bytes of a message: every bit of every number counts, so −0 is not 0 and NaN is the same NaN.
+fn encoded(message: &Recorded) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    // Writing to memory fails for no message that was read.
+    container::encode(message.by_ref(), &mut bytes).expect("a message has a form in bytes");
+    bytes
 }
 
 /// The message without what differs from run to run.
@@ -82,7 +90,7 @@ fn comparable(mut message: Recorded) -> Recorded {
         Recorded::Truth(header, targets) => {
             (header.session, header.source_out_ns) = (0, 0);
             for target in targets.iter_mut().filter(|target| target.snr_db.is_nan()) {
-                target.snr_db = f32::NEG_INFINITY; // not known equals not known
+                target.snr_db = f32::NAN; // not known is not known, whichever NaN says so
             }
         }
         Recorded::Health(..) => {}
@@ -103,5 +111,64 @@ fn describe(a: &Recorded, b: &Recorded) -> String {
         let start = a_text[..common].rfind(", ").map_or(0, |start| start + 2);
         let excerpt = |text: &str| text.get(start..).unwrap_or("").chars().take(60).collect::<String>();
         format!("position {}: `{}` and `{}`", a.seq(), excerpt(&a_text), excerpt(&b_text))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::dwell::DwellHeader;
+    use common::plots::{Plot, PlotsHeader};
+    use common::tracks::{Track, TracksHeader};
+    use common::truth::{TruthHeader, TruthTarget};
+
+    fn differ(a: &Recorded, b: &Recorded) -> bool {
+        let one = |message: &Recorded| std::iter::once(Ok(message.clone()));
+        first_difference(one(a), one(b)).expect("whole").is_some()
+    }
+
+    fn track(change: impl FnOnce(&mut TracksHeader, &mut Track)) -> Recorded {
+        let (mut header, mut track) = (TracksHeader::default(), Track::default());
+        change(&mut header, &mut track);
+        Recorded::Tracks(header, vec![track])
+    }
+
+    #[test]
+    fn every_bit_of_headers_and_elements_counts() {
+        let plain = track(|_, _| {});
+        assert!(!differ(&plain, &plain));
+        assert!(differ(&plain, &track(|header, _| header.alive = 1)));
+        assert!(differ(&plain, &track(|header, _| header.lineage.taken = 1)));
+        assert!(differ(&plain, &track(|_, track| track.id = 1)));
+        assert!(differ(&plain, &track(|_, track| track.state[0] = f64::from_bits(1))));
+        assert!(differ(&plain, &track(|_, track| track.snr_db = f32::from_bits(1))));
+        assert!(differ(&plain, &track(|_, track| track.covariance[44] = -0.0)));
+        assert!(differ(&plain, &track(|_, track| track.used[5].weight = -0.0)));
+        let dwell = |cell| Recorded::Dwells(DwellHeader::default(), vec![cell]);
+        assert!(!differ(&dwell(0.0), &dwell(0.0)) && differ(&dwell(0.0), &dwell(-0.0)));
+        let plot = |pfa, snr_db| {
+            Recorded::Plots(PlotsHeader { pfa, ..PlotsHeader::default() }, vec![Plot { snr_db, ..Plot::default() }])
+        };
+        assert!(!differ(&plot(0.0, 0.0), &plot(0.0, 0.0)));
+        assert!(differ(&plot(0.0, 0.0), &plot(-0.0, 0.0)) && differ(&plot(0.0, 0.0), &plot(0.0, -0.0)));
+    }
+
+    #[test]
+    fn not_a_number_equals_itself_and_nothing_else() {
+        let nan = || track(|_, track| track.weight_none = f64::NAN);
+        assert!(!differ(&nan(), &nan()));
+        assert!(differ(&nan(), &track(|_, _| {})));
+        let truth =
+            |snr_db| Recorded::Truth(TruthHeader::default(), vec![TruthTarget { snr_db, ..TruthTarget::default() }]);
+        assert!(!differ(&truth(f32::NAN), &truth(-f32::NAN)), "not known");
+        assert!(differ(&truth(f32::NAN), &truth(0.0)));
+    }
+
+    #[test]
+    fn stamps_and_sessions_do_not_count() {
+        let plain = track(|_, _| {});
+        assert!(!differ(&plain, &track(|header, _| header.session = 7)));
+        assert!(!differ(&plain, &track(|header, _| header.stamps.tracks_out_ns = 7)));
+        assert!(!differ(&plain, &track(|header, _| header.lineage.session = 7)));
     }
 }

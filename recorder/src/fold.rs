@@ -100,12 +100,12 @@ impl Fold {
 
     /// What has been counted so far, for whoever goes on from here without the messages.
     pub fn counts(&self) -> String {
-        serde_json::to_string(&(&self.losses, &self.books)).unwrap_or_default()
+        write_counts(&self.losses, &self.books)
     }
 
     /// Goes on from [`Fold::counts`]; what is not such a text changes nothing.
     pub fn restore(&mut self, counts: &str) {
-        if let Ok((losses, books)) = serde_json::from_str(counts) {
+        if let Some((losses, books)) = read_counts(counts) {
             (self.losses, self.books) = (losses, books);
         }
     }
@@ -199,6 +199,16 @@ impl Fold {
             config: Some(self.config),
         }
     }
+}
+
+/// Counts as a recording holds them.
+pub(crate) fn write_counts(losses: &Losses, books: &Books) -> String {
+    serde_json::to_string(&(losses, books)).unwrap_or_default()
+}
+
+/// Counts that a recording holds; `None` if they are not of this version.
+pub(crate) fn read_counts(text: &str) -> Option<(Losses, Books)> {
+    serde_json::from_str(text).ok()
 }
 
 /// Where the schedules of dwells and of sectors begin.

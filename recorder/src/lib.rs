@@ -21,6 +21,7 @@ pub mod recording;
 mod report_place;
 pub mod replay;
 pub mod replay_process;
+mod retention;
 pub mod scoring;
 pub mod verify;
 pub mod window;

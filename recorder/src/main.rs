@@ -39,9 +39,15 @@ enum Command {
         files: Vec<PathBuf>,
     },
     /// Print the configuration of the recorded run
+    #[command(
+        after_help = "Examples:\n  recorder config FILE > run.toml\n  recorder config FILE --replay > replay.toml"
+    )]
     Config {
         /// The recording
         file: PathBuf,
+        /// Turn it into one for stages that a replay of the recording drives; they write to the folder `replay`
+        #[arg(long)]
+        replay: bool,
     },
     /// Write topics of a recording as tables, JSON lines or for viewers
     Export {
@@ -60,7 +66,7 @@ enum Command {
     /// Put recorded topics onto the services, for stages that are started by hand
     ///
     /// Waits for the stages after the topics and for the recorder. They need the configuration of the replay: that of the
-    /// recording (recorder config FILE) or --config.
+    /// recording (recorder config FILE --replay) or --config.
     Replay(ReplayArgs),
     /// Compare two recordings in everything but stamps: exit code 0 if equal, 1 with the first difference
     Diff {
@@ -143,7 +149,7 @@ fn parse_topic(name: &str) -> Result<Topic, String> {
     ALL_TOPICS
         .into_iter()
         .find(|topic| topic.name() == name)
-        .ok_or_else(|| "expected plots, tracks, truth or health".to_string())
+        .ok_or_else(|| "expected dwells, plots, tracks, truth or health".to_string())
 }
 
 fn main() -> ExitCode {
@@ -152,7 +158,7 @@ fn main() -> ExitCode {
         None => process::run(&args.stage),
         Some(Command::Info { file }) => commands::info(&file),
         Some(Command::Verify { files }) => commands::verify(&files),
-        Some(Command::Config { file }) => commands::config(&file),
+        Some(Command::Config { file, replay }) => commands::config(&file, replay),
         Some(Command::Export { file, topics, format, out }) => {
             let format = match format {
                 FormatArgument::Csv => recorder::export::Format::Csv,

@@ -7,16 +7,17 @@
 //! ```
 
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use common::config::{ChainConfig, RecorderConfig};
-use common::recording::container::{Description, Reader, Writer};
+use common::recording::container::{Description, Writer};
 use common::recording::{Gap, GapReason, RecordedRef, RecordingError, part_name, parts_of};
 use tracing::{info, warn};
 
 use crate::fold::Files;
+use crate::retention::Retention;
 
 /// What has been written is on its way to the disk after this time at the latest.
 const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
@@ -39,8 +40,7 @@ pub struct Recording {
     pending: Vec<Gap>,
     /// Messages that have not been written since [`Recording::take_unwritten`].
     unwritten: Vec<Gap>,
-    /// Other recordings of the site in the folder, oldest first, with their sizes.
-    others: Vec<(PathBuf, u64)>,
+    retention: Retention,
     files: Files,
     failed: bool,
 }
@@ -50,7 +50,6 @@ struct Limits {
     chunk_bytes: u64,
     part_bytes: u64,
     part_age: Duration,
-    total_bytes: u64,
 }
 
 /// The file being written.
@@ -67,11 +66,14 @@ struct Part {
 impl Limits {
     fn new(config: &RecorderConfig) -> Self {
         let unlimited = |value: u32, unit: u64| if value == 0 { u64::MAX } else { u64::from(value) * unit };
+        let part_mib = config.part_mib();
+        if part_mib != config.rotate_mib {
+            info!("a new part begins at {part_mib} MiB, half of recorder.total_mib");
+        }
         Self {
             chunk_bytes: u64::from(config.chunk_kib) << 10,
-            part_bytes: unlimited(config.rotate_mib, 1 << 20),
+            part_bytes: unlimited(part_mib, 1 << 20),
             part_age: Duration::from_secs(unlimited(config.rotate_s, 1)),
-            total_bytes: unlimited(config.total_mib, 1 << 20),
         }
     }
 }
@@ -97,7 +99,7 @@ impl Recording {
             retry_at: None,
             pending: Vec::new(),
             unwritten: Vec::new(),
-            others: Vec::new(),
+            retention: Retention::new(&config.site.name, config.recorder.total_mib),
             files: Files::default(),
             failed: false,
         }
@@ -136,7 +138,7 @@ impl Recording {
                 let (now, start) = (Instant::now(), writer.bytes());
                 self.files.last = Some(path.display().to_string());
                 self.files.parts = self.description.part + 1;
-                self.others = if self.limits.total_bytes == u64::MAX { Vec::new() } else { self.find_others(&path) };
+                self.retention.look(&self.directory, &path);
                 self.part = Some(Part { path, writer, began: now, flushed: now, start });
                 self.keep_total();
                 Ok(())
@@ -148,41 +150,10 @@ impl Recording {
         }
     }
 
-    /// The site's recordings beside `own`, oldest first.
-    fn find_others(&self, own: &Path) -> Vec<(PathBuf, u64)> {
-        let prefix = format!("{}-", self.description.site);
-        let mut found: Vec<(SystemTime, PathBuf, u64)> = std::fs::read_dir(&self.directory)
-            .into_iter()
-            .flatten()
-            .flatten()
-            .filter_map(|entry| {
-                let name = entry.file_name();
-                let ours = name.to_str().is_some_and(|name| name.starts_with(&prefix));
-                let (path, about) = (entry.path(), entry.metadata().ok()?);
-                let ours = ours && path.extension().is_some_and(|extension| extension == "mcap");
-                let ours = ours && about.is_file() && path != own && is_of_site(&path, &self.description.site);
-                ours.then(|| (about.modified().unwrap_or(SystemTime::UNIX_EPOCH), path, about.len()))
-            })
-            .collect();
-        found.sort_unstable();
-        found.into_iter().map(|(_, path, bytes)| (path, bytes)).collect()
-    }
-
-    /// Removes the oldest files until all together are within the limit, but never the one being written.
+    /// Removes the oldest files while all together are over the limit, but never the one being written.
     fn keep_total(&mut self) {
         let own = self.part.as_ref().map_or(0, |part| part.writer.bytes());
-        let mut total = own + self.others.iter().map(|(_, bytes)| bytes).sum::<u64>();
-        while total > self.limits.total_bytes && !self.others.is_empty() {
-            let (path, bytes) = self.others.remove(0);
-            total -= bytes;
-            match std::fs::remove_file(&path) {
-                Ok(()) => {
-                    self.files.removed += 1;
-                    warn!("{} removed: recordings had reached recorder.total_mib", path.display());
-                }
-                Err(error) => warn!("{} cannot be removed: {error}", path.display()),
-            }
-        }
+        self.files.removed += self.retention.keep(own);
     }
 
     /// Closes the chunk, begins the next part or tries again where that is due. To be called before a message
@@ -204,23 +175,16 @@ impl Recording {
             && (part.writer.bytes() >= self.limits.part_bytes
                 || now.saturating_duration_since(part.began) >= self.limits.part_age)
         {
-            self.keep_writing(Writer::flush);
-            if let Some(part) = self.part.take() {
-                if let Err(error) = part.writer.finish() {
-                    warn!("{} has no index: {error}", part.path.display());
-                }
-                self.description.part += 1;
-                if let Err(error) = self.begin_part(&counts()) {
-                    self.interrupt(&error);
-                }
+            if self.close_part()
+                && let Err(error) = self.begin_part(&counts())
+            {
+                self.interrupt(&error);
             }
         } else if now.saturating_duration_since(part.flushed) >= FLUSH_INTERVAL {
             part.flushed = now;
             self.keep_writing(Writer::flush);
         }
-        if self.limits.total_bytes != u64::MAX {
-            self.keep_total();
-        }
+        self.keep_total();
     }
 
     /// Begins a new part after writing has failed, with what is missing.
@@ -295,15 +259,24 @@ impl Recording {
             self.lose(gap);
         }
         if safe > start {
-            let cut = File::options().write(true).open(&path).and_then(|file| file.set_len(safe));
-            if let Err(error) = cut {
-                warn!("{} ends with a broken chunk: {error}", path.display());
-            }
+            cut(&path, safe);
             self.description.part += 1;
         } else if let Err(error) = std::fs::remove_file(&path) {
             warn!("{} holds nothing and cannot be removed: {error}", path.display());
             self.description.part += 1;
         }
+    }
+
+    /// Closes the part being written; whether there still is one once its messages are in the file.
+    fn close_part(&mut self) -> bool {
+        self.keep_writing(Writer::flush);
+        let Some(Part { path, writer, .. }) = self.part.take() else { return false };
+        self.description.part += 1;
+        if let Err(error) = close(&path, writer) {
+            warn!("{} has no index, its messages are whole: {error}", path.display());
+            self.failed = true;
+        }
+        true
     }
 
     /// Whether anything was not written.
@@ -316,12 +289,7 @@ impl Recording {
         if self.part.is_none() && self.retry_at.is_some() {
             self.resume(&counts()); // the last chance to say what is missing
         }
-        self.keep_writing(Writer::flush);
-        if let Some(part) = self.part.take()
-            && let Err(error) = part.writer.finish()
-        {
-            warn!("{} has no index: {error}", part.path.display());
-        }
+        self.close_part();
         for gap in std::mem::take(&mut self.pending) {
             self.list(&gap);
         }
@@ -329,11 +297,18 @@ impl Recording {
     }
 }
 
-/// Whether a recording says that it is of this site; one that does not say is taken by its name.
-fn is_of_site(path: &Path, site: &str) -> bool {
-    let Ok(file) = File::open(path) else { return false };
-    let mut reader = Reader::new(std::io::BufReader::new(file));
-    reader.description().is_none_or(|description| description.site.is_empty() || description.site == site)
+/// Writes the end of a part. Where that fails, the file ends with its last whole chunk.
+fn close<W: Write + Seek>(path: &Path, writer: Writer<W>) -> Result<(), RecordingError> {
+    let safe = writer.safe_bytes();
+    writer.finish().inspect_err(|_| cut(path, safe))
+}
+
+/// Cuts off what follows the last whole chunk.
+fn cut(path: &Path, safe: u64) {
+    let cut = File::options().write(true).open(path).and_then(|file| file.set_len(safe));
+    if let Err(error) = cut {
+        warn!("{} ends with a broken record: {error}", path.display());
+    }
 }
 
 #[cfg(test)]
@@ -425,44 +400,58 @@ mod tests {
         assert_eq!(findings, 0, "{text}");
     }
 
-    #[test]
-    fn the_oldest_files_of_the_site_go_until_all_are_within_the_total() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = |name: &str| folder.path().join(name);
-        let config = config(folder.path());
-        // Recordings of 250 KiB and what describes them, named against their age.
-        for (name, age_s) in [("c", 300), ("b", 200), ("a", 100)] {
-            let mut recording = Recording::new(&config, name, 3);
-            recording.begin("").expect("a file");
-            write_noise(&mut recording, 0, 250);
-            recording.finish(String::new);
-            let file = File::options().write(true).open(path(&format!("north-{name}.000.mcap"))).expect("a file");
-            file.set_modified(SystemTime::now() - Duration::from_secs(age_s)).expect("a time");
-        }
-        // Not of this site: one that only begins with its name, and one that is no recording.
-        let mut other = config.clone();
-        other.site.name = "north-east".into();
-        let mut recording = Recording::new(&other, "1", 3);
-        recording.begin("").expect("a file");
-        write_noise(&mut recording, 0, 250);
-        recording.finish(String::new);
-        std::fs::write(path("north-notes.txt"), vec![0; 1 << 20]).expect("written");
+    /// A file with room for so many bytes.
+    struct Disk {
+        file: File,
+        room: usize,
+    }
 
-        let mut limited = config;
-        limited.recorder.total_mib = 1;
-        let mut recording = Recording::new(&limited, "new", 4);
-        recording.begin("").expect("a file");
-        let left = || ["c", "b", "a"].map(|name| path(&format!("north-{name}.000.mcap")).exists());
-        assert_eq!(left(), [true; 3], "750 KiB are within the limit");
-        for (seq, expected) in [(0, [false, true, true]), (1, [false, false, true]), (2, [false; 3])] {
-            write_noise(&mut recording, seq, 250);
-            recording.keep_up(String::new);
-            assert_eq!(left(), expected, "{} KiB of its own", (seq + 1) * 250);
+    impl Write for Disk {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            let fits = bytes.len().min(self.room);
+            if fits == 0 && !bytes.is_empty() {
+                return Err(std::io::ErrorKind::StorageFull.into());
+            }
+            let count = self.file.write(&bytes[..fits])?;
+            self.room -= count;
+            Ok(count)
         }
-        write_noise(&mut recording, 3, 600); // more than all: the one being written stays
-        recording.keep_up(String::new);
-        assert_eq!(recording.finish(String::new).removed, 3);
-        assert!(path("north-new.000.mcap").exists() && path("north-notes.txt").exists());
-        assert!(path("north-east-1.000.mcap").exists());
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            self.file.flush()
+        }
+    }
+
+    impl Seek for Disk {
+        fn seek(&mut self, to: std::io::SeekFrom) -> std::io::Result<u64> {
+            self.file.seek(to)
+        }
+    }
+
+    #[test]
+    fn an_end_that_finds_no_room_is_an_error_and_leaves_whole_chunks() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("north-1.000.mcap");
+        let write = |room| {
+            let disk = Disk { file: File::create(&path).expect("a file"), room };
+            let mut writer = Writer::new(BufWriter::new(disk), &Description::default(), "", 1 << 20).expect("room");
+            for seq in 0..10 {
+                let header = PlotsHeader { seq, session: 3, time_ns: 1 + seq, ..PlotsHeader::default() };
+                writer.write(RecordedRef::Plots(&header, &[])).expect("room");
+            }
+            writer.flush().expect("room");
+            (writer.safe_bytes(), close(&path, writer))
+        };
+        let (safe, closed) = write(usize::MAX);
+        closed.expect("room for the end");
+        let whole = std::fs::metadata(&path).expect("a file").len();
+        assert!(whole > safe + 100);
+        for room in [safe, safe + 50, whole - 1] {
+            let (safe, closed) = write(usize::try_from(room).expect("a length"));
+            assert!(closed.is_err(), "room for {room} of {whole} bytes");
+            assert_eq!(std::fs::metadata(&path).expect("a file").len(), safe);
+            let bytes = std::fs::read(&path).expect("a file");
+            assert_eq!(common::recording::container::Reader::new(bytes.as_slice()).flatten().count(), 10);
+        }
     }
 }

@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use common::config::{self, ChainConfig, IpcConfig, Mode, RecorderConfig, Source};
+use common::config::{self, ChainConfig, Mode, RecorderConfig, ReplayConfig, RunConfig, Source};
 use common::message::{END_OF_STREAM, Lineage};
 use common::recording::container::Reader;
 use common::recording::{self, Messages, Recorded, RecordingError, parts_from};
@@ -27,7 +27,8 @@ pub struct Playback {
 }
 
 impl Playback {
-    /// The messages that `config` names.
+    /// The messages that `config` names, in the parts that there are now: a run that is still being recorded ends for the
+    /// replay where it stands.
     ///
     /// # Errors
     /// The file cannot be opened or is not a recording.
@@ -140,8 +141,9 @@ pub fn replay_config(file: &Path, config: Option<&Path>, mut overrides: Vec<Stri
     Ok(config::load(Some(config), &overrides)?)
 }
 
-/// The configuration of the recorded run, turned into one that replays it: from the recording `path`, with a place in
-/// shared memory, a folder and a report as by default, and nothing lost.
+/// The configuration of the recorded run, turned into one that replays it: what says what the radar sees and how it is
+/// detected and tracked is from the recording `path`. Shared memory, realtime wishes, limits, metrics and logs belong to
+/// the processes of that run and are as by default; recordings and report go to the folder `replay`, beside nothing of it.
 ///
 /// # Errors
 /// The file is not a recording, or holds no configuration that this version reads.
@@ -152,17 +154,69 @@ pub fn recorded_config(path: &Path) -> anyhow::Result<ChainConfig> {
     let file = File::open(path).map_err(opening)?;
     let text = Reader::new(BufReader::new(file)).description().map(|about| about.config.clone());
     let text = text.ok_or_else(|| bad(&format!("{} holds no configuration", path.display())))?;
-    let mut config = config::parse(path, &text, &[])?;
-    if config.run.source != Source::Replay {
-        config.replay.of = config.run.source;
+    let recorded = config::parse(path, &text, &[])?;
+    let file = std::path::absolute(path)?.display().to_string();
+    Ok(as_replay(recorded, file))
+}
+
+/// The configuration of a run as that of a replay of its recording `file`.
+fn as_replay(recorded: ChainConfig, file: String) -> ChainConfig {
+    let ChainConfig { site, run, radar, sim, extractor, tracker, recorder, plot_source, replay, .. } = recorded;
+    let of = if run.source == Source::Replay { replay.of } else { run.source };
+    let topics = vec![if recorder.dwells { Topic::Dwells } else { Topic::Plots }, Topic::Truth];
+    ChainConfig {
+        run: RunConfig { source: Source::Replay, mode: Mode::Lossless, id: String::new(), ..run },
+        recorder: RecorderConfig {
+            directory: "replay".into(),
+            report: "replay/report.json".into(),
+            dwells: recorder.dwells,
+            scoring: recorder.scoring,
+            ..RecorderConfig::default()
+        },
+        replay: ReplayConfig { file, topics, of },
+        site,
+        radar,
+        sim,
+        extractor,
+        tracker,
+        plot_source,
+        ..ChainConfig::default()
     }
-    config.replay.topics = vec![if config.recorder.dwells { Topic::Dwells } else { Topic::Plots }, Topic::Truth];
-    config.replay.file = std::path::absolute(path)?.display().to_string();
-    config.run.source = Source::Replay;
-    config.run.mode = Mode::Lossless;
-    config.run.id = String::new();
-    config.ipc = IpcConfig::default();
-    let RecorderConfig { directory, report, .. } = RecorderConfig::default();
-    (config.recorder.directory, config.recorder.report, config.recorder.record) = (directory, report, true);
-    Ok(config)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_replay_has_nothing_of_the_recorded_processes() {
+        let settings = [
+            "soak.log=/tmp/soak/latency.hlog",
+            "metrics.listen=127.0.0.1:9464",
+            "realtime.tracker.scheduling=fifo",
+            "supervision.hang_s=77.0",
+            "watchdog.slow_s=77.0",
+            "budget.end_to_end.p99_us=77.0",
+            "ipc.prefix=recorded",
+            "run.id=recorded",
+            "run.mode=real-time",
+            "recorder.directory=recorded",
+            "recorder.report=recorded.json",
+            "recorder.record=false",
+            "recorder.total_mib=77",
+        ];
+        let radar = ["run.seed=5", "extractor.pfa=1e-5", "radar.sectors_per_scan=8", "recorder.scoring.gate_m=50.0"];
+        let config = |settings: &[&str]| {
+            let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
+            config::load(None, &settings).expect("valid")
+        };
+        let plain = as_replay(config(&radar), "a.mcap".into());
+        assert_eq!((plain.run.seed, plain.radar.sectors_per_scan), (5, 8));
+        assert_eq!(plain.recorder.scoring, config(&radar).recorder.scoring);
+        for setting in settings {
+            assert_eq!(as_replay(config(&[&radar[..], &[setting]].concat()), "a.mcap".into()), plain, "{setting}");
+        }
+        // A replay of a replay is one of the same source.
+        assert_eq!(as_replay(plain.clone(), "a.mcap".into()), plain);
+    }
 }

@@ -11,10 +11,24 @@ use common::recording::container::{Blocks, Description, End, Entry, Reader};
 use common::services::{TOPICS, Topic};
 use common::units::{NS_PER_S, seconds_between};
 
+use crate::fold::read_counts;
 use crate::losses::{Losses, Missing};
 
 /// Findings that are named one by one, per file.
 const LISTED: u64 = 20;
+
+/// What lies between two parts of one run that do not follow each other.
+fn parts_between(last: &Description, next: &Description) -> Option<String> {
+    if next.run.is_empty() || (&last.site, &last.run) != (&next.site, &next.run) {
+        return None;
+    }
+    match next.part.checked_sub(last.part + 1) {
+        Some(0) => None,
+        Some(1) => Some(format!("part {} of the run is missing", last.part + 1)),
+        Some(_) => Some(format!("parts {} to {} of the run are missing", last.part + 1, next.part - 1)),
+        None => Some(format!("part {} comes after part {}: expected parts in their order", next.part, last.part)),
+    }
+}
 
 /// The check of recordings, file by file.
 #[derive(Debug, Default)]
@@ -48,7 +62,7 @@ impl Verification {
         });
         self.conclude_cut(follows);
         // A lone part goes on from what had been counted before it.
-        let from_counts = || reader.counts().and_then(|counts| serde_json::from_str(counts).ok());
+        let from_counts = || reader.counts().and_then(read_counts).map(|(losses, _)| losses);
         let before = if follows { self.losses.take() } else { None };
         let (mut losses, known) = match before.or_else(from_counts) {
             Some(losses) => (losses, true),
@@ -56,6 +70,9 @@ impl Verification {
         };
         let _ = writeln!(self.text, "{name}");
         let (mut count, mut joined) = (Count::default(), [known; TOPICS]);
+        if let Some(between) = self.last.as_ref().and_then(|last| parts_between(last, &description)) {
+            self.find(&mut count, &between);
+        }
         while let Some(entry) = reader.next_entry() {
             match entry {
                 Ok(Entry::Gap(gap)) => {
@@ -78,7 +95,9 @@ impl Verification {
                     }
                     count.time_ns[topic as usize] = (session, time_ns);
                     count.messages += 1;
-                    count.last = Some((topic, seq, time_ns));
+                    // Health has no measurement time: it was said about when the message before it was measured.
+                    let last_ns = if topic == Topic::Health { count.last.map_or(0, |(.., ns)| ns) } else { time_ns };
+                    count.last = Some((topic, seq, last_ns));
                 }
                 Err(error) => self.find(&mut count, &error.to_string()),
             }

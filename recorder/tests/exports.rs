@@ -6,7 +6,7 @@ use std::path::Path;
 
 use common::health::Health;
 use common::plots::{HAS_ELEVATION, HAS_STATISTIC, Plot, PlotsHeader};
-use common::recording::{Recorded, jsonl};
+use common::recording::{Recorded, RecordingError, jsonl};
 use common::services::{HealthHeader, Topic};
 use common::tracks::{Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget};
@@ -122,6 +122,29 @@ fn mcap_with_json_has_a_schema_per_topic_and_every_message() {
         read += 1;
     }
     assert_eq!(read, messages.len());
+}
+
+#[test]
+fn an_export_that_fails_leaves_no_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for format in [Format::Csv, Format::Parquet, Format::JsonLines, Format::McapJson] {
+        let broken = RecordingError::Line { line: 7, message: "spoilt".into() };
+        let recorded = messages().into_iter().map(Ok).chain(std::iter::once(Err(broken)));
+        let error = export(recorded, &TOPICS, format, folder.path()).expect_err("a spoilt line").to_string();
+        assert_eq!(error, "line 7: spoilt");
+        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "{format:?}");
+    }
+}
+
+#[test]
+fn a_topic_named_twice_is_written_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recorded = messages();
+    let topics = [Topic::Tracks, Topic::Plots, Topic::Tracks];
+    let files = export(recorded.iter().cloned().map(Ok), &topics, Format::Csv, folder.path()).expect("written");
+    let wanted = [Topic::Plots, Topic::Tracks]
+        .map(|topic| (folder.path().join(format!("{}.csv", topic.name())), elements(&recorded, topic)));
+    assert_eq!(files, wanted);
 }
 
 #[test]

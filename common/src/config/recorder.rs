@@ -18,7 +18,7 @@ pub struct RecorderConfig {
     pub dwells: bool,
     /// A chunk is closed at this size, KiB.
     pub chunk_kib: u32,
-    /// A new part begins when one has reached this size, MiB; 0 = never.
+    /// A new part begins when one has reached this size, MiB, or half of `total_mib`; 0 = never.
     pub rotate_mib: u32,
     /// A new part begins when one is this old, s; 0 = never.
     pub rotate_s: u32,
@@ -86,12 +86,19 @@ impl Default for ScoringConfig {
 }
 
 impl RecorderConfig {
+    /// Size at which a new part begins, MiB; 0 = never. Only whole parts can be removed, so none may take more than half
+    /// of `total_mib`.
+    pub fn part_mib(&self) -> u32 {
+        let most = (self.total_mib / 2).max(u32::from(self.total_mib > 0));
+        match (most, self.rotate_mib) {
+            (0, rotate) => rotate,
+            (most, 0) => most,
+            (most, rotate) => rotate.min(most),
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         within("recorder.chunk_kib", self.chunk_kib.into(), 16..=65_536)?;
-        if self.total_mib > 0 {
-            // Only whole parts can be removed.
-            within("recorder.rotate_mib", self.rotate_mib.into(), 1..=u64::from(self.total_mib / 2).max(1))?;
-        }
         self.scoring.check()
     }
 }
@@ -108,5 +115,19 @@ impl ScoringConfig {
         positive("recorder.scoring.gospa_cutoff_m", self.gospa_cutoff_m)?;
         let valid = (1.0..=100.0).contains(&self.gospa_order);
         require("recorder.scoring.gospa_order", self.gospa_order, valid, "a number from 1 to 100")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_takes_at_most_half_of_the_total() {
+        let part_mib =
+            |rotate_mib, total_mib| RecorderConfig { rotate_mib, total_mib, ..RecorderConfig::default() }.part_mib();
+        assert_eq!((part_mib(256, 0), part_mib(0, 0)), (256, 0));
+        assert_eq!((part_mib(256, 100), part_mib(0, 100), part_mib(20, 100)), (50, 50, 20));
+        assert_eq!((part_mib(256, 1), part_mib(256, 2), part_mib(0, 3)), (1, 1, 1));
     }
 }

@@ -12,7 +12,7 @@ mod parts;
 
 pub use gap::{Gap, GapReason};
 pub use message::{Recorded, RecordedRef};
-pub use parts::{part_name, parts_from, parts_of};
+pub use parts::{part_name, parts_from, parts_of, parts_of_run, run_and_part};
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -32,6 +32,12 @@ pub enum RecordingError {
     /// Neither a recording nor JSON lines.
     #[error("{} is not a recording: expected an MCAP file or JSON lines", path.display())]
     NotARecording {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// JSON lines where a container is needed.
+    #[error("{} holds JSON lines, expected an MCAP recording", path.display())]
+    NotAContainer {
         /// Which file.
         path: PathBuf,
     },
@@ -72,16 +78,35 @@ pub type Messages = Box<dyn Iterator<Item = Result<Recorded, RecordingError>>>;
 /// # Errors
 /// The file does not exist, is a directory, or is neither form.
 pub fn open(path: &Path) -> Result<Messages, RecordingError> {
+    let (file, is_container) = open_either(path)?;
+    let input = BufReader::with_capacity(1 << 20, file);
+    Ok(if is_container { Box::new(container::Reader::ahead(input)) } else { Box::new(jsonl::Reader::new(input)) })
+}
+
+/// Opens a recording that has to be a container.
+///
+/// # Errors
+/// As [`open`], or the file holds JSON lines.
+pub fn open_container(path: &Path) -> Result<File, RecordingError> {
+    match open_either(path)? {
+        (file, true) => Ok(file),
+        (_, false) => Err(RecordingError::NotAContainer { path: path.to_path_buf() }),
+    }
+}
+
+/// A file at its beginning, and whether it is a container. One that was cut within the first bytes is a container in which
+/// there is nothing.
+fn open_either(path: &Path) -> Result<(File, bool), RecordingError> {
     let opening = |cause| RecordingError::Open { path: path.to_path_buf(), cause };
     let mut file = File::open(path).map_err(opening)?;
     let mut start = [0_u8; container::MAGIC.len()];
     let length = read_up_to(&mut file, &mut start).map_err(opening)?;
     file.seek(SeekFrom::Start(0)).map_err(opening)?;
-    let first = start[..length].iter().find(|byte| !byte.is_ascii_whitespace());
-    if start == container::MAGIC {
-        Ok(Box::new(container::Reader::ahead(BufReader::with_capacity(1 << 20, file))))
-    } else if first.is_none_or(|&byte| byte == b'{') {
-        Ok(Box::new(jsonl::Reader::new(BufReader::with_capacity(1 << 20, file))))
+    let start = &start[..length];
+    let is_container = container::MAGIC.starts_with(start);
+    let first = start.iter().find(|byte| !byte.is_ascii_whitespace());
+    if is_container || first.is_none_or(|&byte| byte == b'{') {
+        Ok((file, is_container))
     } else {
         Err(RecordingError::NotARecording { path: path.to_path_buf() })
     }

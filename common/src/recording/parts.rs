@@ -7,8 +7,8 @@ pub fn part_name(stem: &str, number: u32) -> String {
     format!("{stem}.{number:03}.mcap")
 }
 
-/// Stem and number of a part, from its name.
-fn split(path: &Path) -> Option<(&str, u32)> {
+/// What the name of a part says: the stem of its run, `<site>-<run>`, and its number.
+pub fn run_and_part(path: &Path) -> Option<(&str, u32)> {
     let (stem, number) = path.file_name()?.to_str()?.strip_suffix(".mcap")?.rsplit_once('.')?;
     Some((stem, number.parse().ok()?))
 }
@@ -19,19 +19,28 @@ pub fn parts_of(directory: &Path, stem: &str) -> Vec<(u32, PathBuf)> {
     let mut parts: Vec<(u32, PathBuf)> = entries
         .filter_map(|entry| {
             let path = entry.path();
-            split(&path).filter(|&(other, _)| other == stem).map(|(_, number)| number).map(|number| (number, path))
+            run_and_part(&path)
+                .filter(|&(other, _)| other == stem)
+                .map(|(_, number)| number)
+                .map(|number| (number, path))
         })
         .collect();
     parts.sort_unstable();
     parts
 }
 
+/// All parts of the run of a recording, those that lie beside it, in order; a file with a name of its own is alone.
+pub fn parts_of_run(path: &Path) -> Vec<PathBuf> {
+    let Some((stem, _)) = run_and_part(path) else { return vec![path.to_path_buf()] };
+    let directory = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    parts_of(directory, stem).into_iter().map(|(_, part)| part).collect()
+}
+
 /// A recording and the later parts of its run that lie beside it, in order.
 pub fn parts_from(path: &Path) -> Vec<PathBuf> {
-    let Some((stem, first)) = split(path) else { return vec![path.to_path_buf()] };
-    let directory = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let later = parts_of(directory, stem).into_iter().filter(|&(number, _)| number > first);
-    std::iter::once(path.to_path_buf()).chain(later.map(|(_, path)| path)).collect()
+    let number = |path: &Path| run_and_part(path).map(|(_, number)| number);
+    let later = parts_of_run(path).into_iter().filter(|part| number(part) > number(path));
+    std::iter::once(path.to_path_buf()).chain(later).collect()
 }
 
 #[cfg(test)]
@@ -49,6 +58,8 @@ mod tests {
         assert_eq!(numbers(parts_of(folder.path(), "a-1")), [0, 2, 1000]);
         let from = parts_from(&folder.path().join("a-1.002.mcap"));
         assert_eq!(from, ["a-1.002.mcap", "a-1.1000.mcap"].map(|name| folder.path().join(name)));
+        let all = parts_of_run(&folder.path().join("a-1.1000.mcap"));
+        assert_eq!(all, ["a-1.000.mcap", "a-1.002.mcap", "a-1.1000.mcap"].map(|name| folder.path().join(name)));
         assert_eq!(parts_from(Path::new("other.mcap")), [PathBuf::from("other.mcap")]);
     }
 }

@@ -44,6 +44,9 @@ impl Format {
             Self::JsonLines => "jsonl",
             Self::Parquet => "parquet",
         };
+        let mut topics = topics.to_vec();
+        topics.sort_unstable(); // one file each, however often it was asked for
+        topics.dedup();
         topics.iter().map(|&topic| (format!("{}.{extension}", topic.name()), vec![topic])).collect()
     }
 }
@@ -87,9 +90,10 @@ pub fn export(
     std::fs::create_dir_all(directory).map_err(|error| failed(directory, &error))?;
     let mut outputs = Vec::new();
     for (name, topics) in format.files(topics) {
-        let path = directory.join(name);
-        let sink = create(&path, &topics, format).map_err(|error| failed(&path, &error))?;
-        outputs.push(Output { path, topics, written: 0, sink });
+        let path = directory.join(&name);
+        let unfinished = Unfinished(directory.join(format!("{name}.unfinished")));
+        let sink = create(&unfinished.0, &topics, format).map_err(|error| failed(&path, &error))?;
+        outputs.push(Output { path, topics, written: 0, sink, unfinished });
     }
     for message in messages {
         let message = message?;
@@ -98,7 +102,7 @@ pub fn export(
             output.written += output.sink.write(message).map_err(|error| failed(&output.path, &error))?;
         }
     }
-    let close = |output: Output| match output.sink.finish() {
+    let close = |output: Output| match output.sink.finish().and_then(|()| output.unfinished.becomes(&output.path)) {
         Ok(()) => Ok((output.path, output.written)),
         Err(error) => Err(failed(&output.path, &error)),
     };
@@ -111,6 +115,22 @@ struct Output {
     topics: Vec<Topic>,
     written: u64,
     sink: Box<dyn Sink>,
+    unfinished: Unfinished,
+}
+
+/// A file that is not complete: it has its name only when it is, and goes if it never will be.
+struct Unfinished(PathBuf);
+
+impl Unfinished {
+    fn becomes(&self, path: &Path) -> Result<(), RecordingError> {
+        Ok(std::fs::rename(&self.0, path)?)
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0); // renamed, if all went well
+    }
 }
 
 /// Where messages go.

@@ -54,6 +54,8 @@ pub struct Blocks<R: Read> {
     records: LinearReader,
     unpacker: Option<zstd::bulk::Decompressor<'static>>,
     offset: u64,
+    /// Bytes that the input has given.
+    taken: u64,
     /// Reads on to the last byte and compares the checksums and the index of the whole file.
     checking: bool,
     chunks: Vec<u64>,
@@ -78,12 +80,14 @@ impl<R: Read> Blocks<R> {
             .with_emit_chunks(true)
             .with_validate_data_section_crc(checking)
             .with_validate_summary_section_crc(checking)
+            .with_check_finishes_after_end_magic(checking)
             .with_record_length_limit(LONGEST_RECORD);
         Self {
             input,
             records: LinearReader::new_with_options(options),
             unpacker: None,
             offset: super::MAGIC.len() as u64,
+            taken: 0,
             checking,
             chunks: Vec::new(),
             indexed: 0,
@@ -98,7 +102,8 @@ impl<R: Read> Blocks<R> {
             let message = format!("the index names {} of {} chunks", self.indexed, self.chunks.len());
             return Block::Spoilt { offset: self.offset, message };
         }
-        Block::End(End { whole, readable: self.offset })
+        // A file that ends within its first bytes ends before the first record.
+        Block::End(End { whole, readable: self.offset.min(self.taken) })
     }
 
     /// The next record, if it says something.
@@ -106,7 +111,10 @@ impl<R: Read> Blocks<R> {
         let (opcode, content) = match self.records.next_event() {
             Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
                 match read(&mut self.input, self.records.insert(wanted)) {
-                    Ok(count) => self.records.notify_read(count),
+                    Ok(count) => {
+                        self.taken += count as u64;
+                        self.records.notify_read(count);
+                    }
                     Err(error) => {
                         self.ended = true;
                         return Some(Block::Spoilt { offset: self.offset, message: error.to_string() });
@@ -118,6 +126,11 @@ impl<R: Read> Blocks<R> {
             // The end of a file that was cut: what is whole has been given out.
             Some(Err(McapError::UnexpectedEof)) => return Some(self.end(false)),
             None => return Some(self.end(self.data_ended)),
+            Some(Err(McapError::BytesAfterEndMagic)) => {
+                self.ended = true;
+                let offset = self.offset + super::MAGIC.len() as u64;
+                return Some(Block::Spoilt { offset, message: "bytes after the end of the recording".into() });
+            }
             Some(Err(error)) => {
                 self.ended = true;
                 return Some(Block::Spoilt { offset: self.offset, message: error.to_string() });

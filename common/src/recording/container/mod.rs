@@ -24,7 +24,9 @@ pub use writer::Writer;
 use std::collections::BTreeMap;
 
 use bincode::config::{Configuration, Fixint, LittleEndian};
+use serde::Serialize;
 
+use super::{RecordedRef, RecordingError};
 use crate::services::{Dwells, HealthReports, Message, Plots, Topic, Tracks, Truth};
 
 /// The first bytes of every MCAP file.
@@ -52,6 +54,31 @@ const GAP_SCHEMA: &str = r#"{"type":"object","description":"Messages that are mi
 
 fn encoding() -> Configuration<LittleEndian, Fixint> {
     bincode::config::standard().with_fixed_int_encoding()
+}
+
+/// A message as the bytes of its header and elements: equal bytes are equal messages, also where numbers are not equal to
+/// themselves (NaN) or equal to others (−0).
+///
+/// # Errors
+/// The message cannot be encoded.
+pub fn encode(message: RecordedRef<'_>, out: &mut Vec<u8>) -> Result<(), RecordingError> {
+    match message {
+        RecordedRef::Dwells(header, elements) => encode_parts(header, elements, out),
+        RecordedRef::Plots(header, elements) => encode_parts(header, elements, out),
+        RecordedRef::Tracks(header, elements) => encode_parts(header, elements, out),
+        RecordedRef::Truth(header, elements) => encode_parts(header, elements, out),
+        RecordedRef::Health(header, elements) => encode_parts(header, elements, out),
+    }
+}
+
+fn encode_parts<H: Serialize, E: Serialize>(
+    header: &H,
+    elements: &[E],
+    out: &mut Vec<u8>,
+) -> Result<(), RecordingError> {
+    bincode::serde::encode_into_std_write((header, elements), out, encoding())
+        .map(|_| ())
+        .map_err(|error| RecordingError::Container { message: error.to_string() })
 }
 
 /// What a recording says of itself.

@@ -8,7 +8,7 @@ use mcap::records::{Record, op};
 use serde::de::DeserializeOwned;
 
 use super::blocks::{Block, Blocks, BlocksAhead, End};
-use super::{Description, ENCODING, GAPS, encoding};
+use super::{Description, ENCODING, GAPS, encoding, schema};
 use crate::dwell::DwellHeader;
 use crate::recording::{Gap, Recorded, RecordingError};
 use crate::services::{ALL_TOPICS, Topic};
@@ -28,6 +28,7 @@ pub enum Entry {
 /// As an iterator it gives the messages alone. A chunk that is spoilt is an error; what follows it can still be read.
 pub struct Reader<B> {
     blocks: B,
+    schemas: HashMap<u16, String>,
     channels: HashMap<u16, Channel>,
     description: Option<Description>,
     counts: Option<String>,
@@ -41,6 +42,8 @@ pub struct Reader<B> {
 #[derive(Debug)]
 enum Channel {
     Messages(Topic, String),
+    /// Messages of another version, and what to say of them; said once.
+    Foreign(Option<(String, String)>),
     Gaps(String),
 }
 
@@ -70,6 +73,7 @@ impl<B: Iterator<Item = Block>> Reader<B> {
     pub fn of(blocks: B) -> Self {
         Self {
             blocks,
+            schemas: HashMap::new(),
             channels: HashMap::new(),
             description: None,
             counts: None,
@@ -120,7 +124,7 @@ impl<B: Iterator<Item = Block>> Reader<B> {
 
     fn advance(&mut self) -> Option<Result<Entry, RecordingError>> {
         loop {
-            match self.chunk.next(&mut self.channels) {
+            match self.chunk.next(&mut self.schemas, &mut self.channels) {
                 Ok(Some(entry)) => {
                     self.index += u64::from(matches!(entry, Entry::Message(_)));
                     return Some(Ok(entry));
@@ -167,16 +171,33 @@ impl<B> std::fmt::Debug for Reader<B> {
 
 impl Chunk {
     /// The next entry of the chunk; an error names the channel and ends nothing.
-    fn next(&mut self, channels: &mut HashMap<u16, Channel>) -> Result<Option<Entry>, (String, String)> {
+    fn next(
+        &mut self,
+        schemas: &mut HashMap<u16, String>,
+        channels: &mut HashMap<u16, Channel>,
+    ) -> Result<Option<Entry>, (String, String)> {
         while let Some((opcode, content)) = self.record() {
             let damaged = |error: mcap::McapError| ("container".to_string(), error.to_string());
             match opcode {
+                op::SCHEMA => {
+                    if let Record::Schema { header, .. } = mcap::parse_record(opcode, content).map_err(damaged)? {
+                        schemas.insert(header.id, header.name);
+                    }
+                }
                 op::CHANNEL => {
                     if let Record::Channel(channel) = mcap::parse_record(opcode, content).map_err(damaged)? {
                         let last = channel.topic.rsplit('/').next().unwrap_or_default();
                         let topic = ALL_TOPICS.into_iter().find(|topic| topic.name() == last);
                         if let (Some(topic), ENCODING) = (topic, channel.message_encoding.as_str()) {
-                            channels.insert(channel.id, Channel::Messages(topic, channel.topic.clone()));
+                            let (ours, found) = (schema(topic).0, schemas.get(&channel.schema_id));
+                            let known = match found.filter(|found| *found != ours) {
+                                None => Channel::Messages(topic, channel.topic.clone()),
+                                Some(found) => {
+                                    let says = format!("recorded as {found}, this version reads {ours}");
+                                    Channel::Foreign(Some((channel.topic.clone(), says)))
+                                }
+                            };
+                            channels.insert(channel.id, known);
                         } else if last == GAPS {
                             channels.insert(channel.id, Channel::Gaps(channel.topic.clone()));
                         }
@@ -186,8 +207,12 @@ impl Chunk {
                     let Record::Message { header, data } = mcap::parse_record(opcode, content).map_err(damaged)? else {
                         continue;
                     };
-                    return match channels.get(&header.channel_id) {
+                    return match channels.get_mut(&header.channel_id) {
                         None => continue,
+                        Some(Channel::Foreign(says)) => match says.take() {
+                            Some(says) => Err(says),
+                            None => continue,
+                        },
                         Some(Channel::Messages(topic, name)) => {
                             decode(*topic, &data).map(Entry::Message).map_err(|message| (name.clone(), message))
                         }

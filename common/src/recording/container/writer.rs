@@ -6,9 +6,8 @@ use std::io::{Seek, SeekFrom, Write};
 use std::rc::Rc;
 
 use mcap::records::{MessageHeader, Metadata};
-use serde::Serialize;
 
-use super::{COUNTS, DESCRIPTION, Description, ENCODING, GAP_SCHEMA, GAPS, encoding, schema};
+use super::{COUNTS, DESCRIPTION, Description, ENCODING, GAP_SCHEMA, GAPS, encode, schema};
 use crate::recording::{Gap, GapReason, RecordedRef, RecordingError};
 use crate::services::{ALL_TOPICS, TOPICS};
 
@@ -91,15 +90,11 @@ impl<W: Write + Seek> Writer<W> {
             self.open.push(gap);
         }
         self.payload.clear();
-        match message {
-            RecordedRef::Dwells(header, elements) => self.encode(header, elements),
-            RecordedRef::Plots(header, elements) => self.encode(header, elements),
-            RecordedRef::Tracks(header, elements) => self.encode(header, elements),
-            RecordedRef::Truth(header, elements) => self.encode(header, elements),
-            RecordedRef::Health(header, elements) => self.encode(header, elements),
-        }?;
-        self.time_ns = self.time_ns.max(message.time_ns());
-        self.append(self.channels[message.topic() as usize], message.seq(), message.time_ns())
+        encode(message, &mut self.payload)?;
+        if message.time_ns() > 0 {
+            self.time_ns = message.time_ns();
+        }
+        self.append(self.channels[message.topic() as usize], message.seq(), self.time_ns)
     }
 
     /// Appends the note that messages are missing here.
@@ -137,12 +132,6 @@ impl<W: Write + Seek> Writer<W> {
     /// Bytes up to the end of the last whole chunk.
     pub fn safe_bytes(&self) -> u64 {
         self.safe
-    }
-
-    fn encode<H: Serialize, E: Serialize>(&mut self, header: &H, elements: &[E]) -> Result<(), RecordingError> {
-        bincode::serde::encode_into_std_write((header, elements), &mut self.payload, encoding())
-            .map(|_| ())
-            .map_err(|error| RecordingError::Container { message: error.to_string() })
     }
 
     /// Closes the chunk, so that everything so far survives the end of the process.
