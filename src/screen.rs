@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::time::{Duration, Instant};
 
-use common::config::{ChainConfig, Speed};
+use common::config::ChainConfig;
 use common::latency::LATENCY_NAMES;
 use common::services::{TOPIC_NAMES, Topic};
 use crossterm::cursor::MoveToPreviousLine;
@@ -135,16 +135,13 @@ fn line(chain: &ChainConfig, board: &Board) -> String {
 /// The whole status: headline, processes, latencies.
 pub(crate) fn picture(chain: &ChainConfig, board: &Board) -> String {
     let now = Headline::of(board);
-    let speed = match chain.run.speed {
-        Speed::Max => "max".to_string(),
-        Speed::Times(factor) => format!("{factor}×"),
-    };
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{}  {}  {speed}  {}   {} plots a scan   {} tracks confirmed, {} alive   {} lost   {} restarts",
+        "{}  {}  {}  {}   {} plots a scan   {} tracks confirmed, {} alive   {} lost   {} restarts",
         chain.site.name,
         chain.run.mode.name(),
+        chain.run.speed,
         scan_of(chain, now.scan),
         now.plots,
         now.confirmed,

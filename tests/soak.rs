@@ -11,7 +11,7 @@ use support::{Bench, output, small_config, text_of};
 
 fn soak(bench: &Bench, out: &str, arguments: &[&str]) -> (std::process::Output, Report) {
     let mut command = bench.command("soak", &small_config());
-    command.args(["--out", out, "--set", "soak.interval_s=0.2"]).args(arguments);
+    command.args(["--out", out, "--set", "soak.interval_s=0.1"]).args(arguments);
     let output = output(&mut command);
     assert!(bench.path(out).join("report.json").exists(), "{}", text_of(&output));
     (output, bench.report_at(&format!("{out}/report.json")))
@@ -23,9 +23,9 @@ fn a_soak_within_its_limits_ends_well_and_leaves_its_files() {
     // Limits that only a broken chain can break: times are for benchmarks.
     let wide = ["--set", "soak.growth_mib=50", "--budget", "end_to_end=60000000@50"];
     let wide: Vec<&str> = wide.into_iter().chain(LATENCIES.iter().flat_map(|key| ["--set", key])).collect();
-    let (output, report) =
+    let (soaked, report) =
         soak(&bench, "soak", &[&["--duration", "6s", "--speed", "1", "--reference"][..], &wide].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output));
+    assert_eq!(soaked.status.code(), Some(0), "{}", text_of(&soaked));
     let soak = report.soak.as_ref().expect("the soak's part");
     assert!(soak.ok && soak.findings.is_empty());
     assert!(report.scans >= 20, "{} scans", report.scans);
@@ -44,12 +44,16 @@ fn a_soak_within_its_limits_ends_well_and_leaves_its_files() {
     assert!(rows.lines().filter(|line| line.contains(",tracker,")).count() >= 10, "{rows}");
     assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
 
-    let compared = Command::new(env!("CARGO_BIN_EXE_radar-chain"))
-        .arg("compare")
-        .args([bench.path("soak/report.json"), bench.path("soak/report.json")])
-        .output()
-        .expect("comparing");
+    let compare = |later: &Path| {
+        let reports = [bench.path("soak/report.json").as_path(), later].map(Path::to_path_buf);
+        output(Command::new(env!("CARGO_BIN_EXE_radar-chain")).arg("compare").args(reports))
+    };
+    let compared = compare(&bench.path("soak/report.json"));
     assert_eq!(compared.status.code(), Some(0), "{}", text_of(&compared));
+    assert!(text_of(&compared).contains("not worse (tolerance 10 %)"), "{}", text_of(&compared));
+    let missing = compare(&bench.path("nothing.json"));
+    assert_eq!(missing.status.code(), Some(2), "{}", text_of(&missing));
+    assert!(text_of(&missing).contains("expected the report.json of a soak"), "{}", text_of(&missing));
     look_at(&bench.path("soak/report.html"), &bench.path("shot.png"));
 }
 

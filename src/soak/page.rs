@@ -1,6 +1,6 @@
 //! The report of a soak as one page that stands alone.
 
-use common::config::{ChainConfig, Speed};
+use common::config::ChainConfig;
 use common::latency::LatencyHistograms;
 use common::report::Report;
 use hdrhistogram::Histogram;
@@ -67,7 +67,7 @@ fn data(
         "version": report.version,
         "git": report.git,
         "mode": chain.run.mode.name(),
-        "speed": match chain.run.speed { Speed::Max => "max".into(), Speed::Times(factor) => format!("{factor}×") },
+        "speed": chain.run.speed.to_string(),
         "started_utc": report.config.as_ref().map_or("", |config| config.run.id.as_str()),
         "wall_s": report.wall_s,
         "scans": report.scans,
