@@ -75,6 +75,7 @@ fn a_broken_budget_is_told_with_its_scans() {
     let soak = report.soak.as_ref().expect("the soak's part");
     assert!(soak.findings.iter().any(|finding| finding.starts_with("track: p99.9 is")), "{:?}", soak.findings);
     assert!(text_of(&output).contains("BROKEN track: p99.9"), "{}", text_of(&output));
+    assert!(report.misses.iter().any(|miss| miss.latency == "track" && miss.limit_us < 0.01), "{:?}", report.misses);
 
     let (output, report) =
         self::soak(&bench, "again", &["--scans", "12", "--speed", "4", "--set", "budget.track.limit_us=0.001"]);
@@ -91,8 +92,21 @@ fn a_budget_that_cannot_be_read_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{}", text_of(&output));
         assert!(text_of(&output).contains("expected NAME=US@PERCENTILE"), "{}", text_of(&output));
     }
-    let output = output(bench.command("soak", &small_config()).args(["--duration", "soon"]));
-    assert_eq!(output.status.code(), Some(2), "{}", text_of(&output));
+    for wrong in ["soon", "0s"] {
+        let output = output(bench.command("soak", &small_config()).args(["--duration", wrong]));
+        assert_eq!(output.status.code(), Some(2), "{}", text_of(&output));
+    }
+}
+
+#[test]
+fn memory_that_cannot_be_judged_is_said() {
+    let bench = Bench::new();
+    let (output, report) = soak(&bench, "soak", &["--scans", "8", "--set", "soak.interval_s=3600"]);
+    let soak = report.soak.expect("the soak's part");
+    assert!(soak.growth_mib.is_empty() && !soak.not_judged.is_empty(), "{soak:?}");
+    assert!(text_of(&output).contains("not judged: memory"), "{}", text_of(&output));
+    let page = std::fs::read_to_string(bench.path("soak/report.html")).expect("a page");
+    assert!(page.contains("are too short, 10 readings needed") || page.contains("before the first reading"));
 }
 
 /// Opens the page in a browser, where there is one: it must have drawn itself without an error.

@@ -73,7 +73,7 @@ fn data(
         "scans": report.scans,
         "realtime_factor": report.realtime_factor,
         "machine": crate::machine::describe(),
-        "verdict": {"ok": soak.ok, "findings": soak.findings},
+        "verdict": {"ok": soak.ok, "findings": soak.findings, "not_judged": soak.not_judged},
         "latency": latencies.named().filter(shown).map(latency).collect::<Map<_, _>>(),
         "reference": if reference.is_empty() { Value::Null } else { reference.into() },
         "blocks": {"t_s": times, "latency": courses},
