@@ -3,11 +3,11 @@
 mod support;
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use common::latency_log;
 use common::report::Report;
-use support::{Bench, output, small_config, text_of};
+use support::{Bench, output, signal, small_config, text_of};
 
 fn soak(bench: &Bench, out: &str, arguments: &[&str]) -> (std::process::Output, Report) {
     let mut command = bench.command("soak", &small_config());
@@ -107,6 +107,34 @@ fn memory_that_cannot_be_judged_is_said() {
     assert!(text_of(&output).contains("not judged: memory"), "{}", text_of(&output));
     let page = std::fs::read_to_string(bench.path("soak/report.html")).expect("a page");
     assert!(page.contains("are too short, 10 readings needed") || page.contains("before the first reading"));
+}
+
+/// Processes of a domain by what they were called with: those that name its folder.
+fn processes(bench: &Bench, word: &str) -> Vec<u32> {
+    let domain = format!("radar-chain-{}/", bench.prefix());
+    let entries = std::fs::read_dir("/proc").expect("processes").flatten();
+    let pids = entries.filter_map(|entry| entry.file_name().to_string_lossy().parse::<u32>().ok());
+    let called = |pid: &u32| {
+        let line = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+        let line = String::from_utf8_lossy(&line).into_owned();
+        line.contains(&domain) && line.split('\0').any(|argument| argument == word)
+    };
+    pids.filter(called).collect()
+}
+
+#[test]
+fn the_bare_hops_of_a_killed_soak_end_with_it() {
+    let bench = Bench::new();
+    let mut command = bench.command("soak", &small_config());
+    command.args(["--out", "soak", "--duration", "1h", "--speed", "1", "--reference", "--no-record"]);
+    let mut soak = command.stderr(Stdio::null()).spawn().expect("a soak");
+    bench.wait_for("bare hops", |_| (processes(&bench, "hop").len() == 4).then_some(()));
+    soak.kill().expect("killing the launcher");
+    soak.wait().expect("its end");
+    bench.wait_for("the end of the bare hops", |_| processes(&bench, "hop").is_empty().then_some(()));
+    for stage in processes(&bench, "stage") {
+        signal(stage, "KILL");
+    }
 }
 
 /// Opens the page in a browser, where there is one: it must have drawn itself without an error.
