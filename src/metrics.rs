@@ -14,12 +14,15 @@ use common::health::{Condition, Health, REJECT_NAMES, Wish};
 use common::latency::LATENCY_NAMES;
 use common::process::BadInput;
 use common::services::TOPIC_NAMES;
+use common::time::monotonic_ns;
 use common::units::NS_PER_S;
 
 use crate::board::Board;
 
 /// A scraper that is slower is sent away.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// A process that has said nothing for so long is not up, s.
+const SILENT_S: f64 = 10.0;
 /// Longest request that is read, bytes.
 const REQUEST: usize = 8192;
 
@@ -82,7 +85,10 @@ fn answer(mut stream: TcpStream, page: &str) -> std::io::Result<()> {
 type Figure = (&'static str, &'static str, &'static str, fn(&Health) -> f64);
 
 const FIGURES: [Figure; 15] = [
-    ("radar_up", "gauge", "1 while the process speaks", |health| f64::from(health.ended == 0)),
+    ("radar_up", "gauge", "1 while the last health report is younger than 10 s and not of the end", |health| {
+        let age_s = monotonic_ns().saturating_sub(health.heartbeat_ns) as f64 / NS_PER_S;
+        f64::from(health.ended == 0 && age_s < SILENT_S)
+    }),
     ("radar_scan", "gauge", "Scan being worked on", |health| f64::from(health.scan)),
     ("radar_heartbeat_seconds", "gauge", "CLOCK_MONOTONIC of the last health report", |health| {
         health.heartbeat_ns as f64 / NS_PER_S
@@ -162,4 +168,22 @@ fn page(board: &Board) -> String {
         let _ = writeln!(text, "radar_budget_misses_total{{latency=\"{name}\"}} {}", latency.misses);
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_process_that_has_fallen_silent_is_not_up() {
+        for (age_s, ended, up) in [(1, 0, 1), (11, 0, 0), (1, 1, 0)] {
+            let heartbeat_ns = monotonic_ns().saturating_sub(age_s * 1_000_000_000);
+            let mut health = Health { heartbeat_ns, ended, ..Health::default() };
+            health.set_process("tracker");
+            let mut board = Board::default();
+            board.take(&health);
+            let text = page(&board);
+            assert!(text.contains(&format!("radar_up{{process=\"tracker\"}} {up}\n")), "{text}");
+        }
+    }
 }
