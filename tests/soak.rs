@@ -4,6 +4,7 @@ mod support;
 
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use common::latency_log;
 use common::report::Report;
@@ -123,7 +124,7 @@ fn processes(bench: &Bench, word: &str) -> Vec<u32> {
 }
 
 #[test]
-fn the_bare_hops_of_a_killed_soak_end_with_it() {
+fn a_killed_soak_leaves_no_bare_hops_and_what_a_killed_chain_leaves_is_removed() {
     let bench = Bench::new();
     let mut command = bench.command("soak", &small_config());
     command.args(["--out", "soak", "--duration", "1h", "--speed", "1", "--reference", "--no-record"]);
@@ -135,6 +136,14 @@ fn the_bare_hops_of_a_killed_soak_end_with_it() {
     for stage in processes(&bench, "stage") {
         signal(stage, "KILL");
     }
+    let began = Instant::now();
+    while !processes(&bench, "stage").is_empty() {
+        assert!(began.elapsed() < Duration::from_secs(60), "killed stages end");
+    }
+    assert!(!bench.left_behind().is_empty(), "files of a chain that was killed");
+    let again = bench.run(&["--scans", "4"]);
+    assert_eq!(again.status.code(), Some(0), "{}", text_of(&again));
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
 }
 
 /// Opens the page in a browser, where there is one: it must have drawn itself without an error.
