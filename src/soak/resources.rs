@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context;
+use common::units::MIB;
 use serde::{Deserialize, Serialize};
 
 use crate::board::Board;
@@ -14,8 +15,6 @@ use crate::board::Board;
 const ROWS: usize = 10;
 /// Rows are thinned to at most so many of each process when they are read back.
 const POINTS: usize = 400;
-/// Bytes in a MiB.
-const MIB: f64 = 1_048_576.0;
 
 /// One process at one time: a line of `resources.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -121,9 +120,10 @@ impl Series {
     }
 }
 
-/// The rows of one process, thinned.
-pub(super) fn points(rows: &[Row]) -> impl Iterator<Item = &Row> {
-    rows.iter().step_by(rows.len().div_ceil(POINTS).max(1))
+/// A value of one process over the run, thinned: the largest of each block of neighbours, so that no spike is lost.
+pub(super) fn points(rows: &[Row], value: fn(&Row) -> f64) -> Vec<f64> {
+    let largest = |block: &[Row]| block.iter().map(value).fold(f64::MIN, f64::max);
+    rows.chunks(rows.len().div_ceil(POINTS).max(1)).map(largest).collect()
 }
 
 #[cfg(test)]
@@ -158,6 +158,13 @@ mod tests {
         assert!(warm.abs() < 1e-6, "{warm}");
         let leak = growth(rows(|k| 9.0 + 0.01 * f64::from(k), |_| 1)).expect("known");
         assert!((leak - 8.0).abs() < 0.02, "{leak}");
+    }
+
+    #[test]
+    fn thinning_keeps_a_spike() {
+        let spiky = rows(|k| if k == 501 { 99.0 } else { 1.0 }, |_| 1);
+        let thinned = points(&spiky, |row| row.private_bytes as f64 / MIB);
+        assert!(thinned.len() <= POINTS && thinned.contains(&99.0), "{} points", thinned.len());
     }
 
     #[test]
