@@ -105,7 +105,12 @@ const FIGURES: [Figure; 15] = [
     ("radar_plots", "gauge", "Plots of the last whole scan", |health| f64::from(health.plots)),
     ("radar_tracks", "gauge", "Tracks alive, or true targets of a source", |health| f64::from(health.tracks)),
     ("radar_tracks_confirmed", "gauge", "Tracks confirmed", |health| f64::from(health.confirmed)),
-    ("radar_restarts_total", "counter", "Restarts of stages by the launcher", |health| f64::from(health.restarts)),
+    (
+        "radar_restarts_total",
+        "counter",
+        "Restarts of stages by the launcher; under systemd radar_starts_total counts",
+        |health| f64::from(health.restarts),
+    ),
     ("radar_upstream_silences_total", "counter", "Times that input stayed away", |health| f64::from(health.silences)),
     ("radar_slow_steps_total", "counter", "Steps that took too long", |health| f64::from(health.slow_steps)),
     ("radar_realtime_wishes_refused", "gauge", "Real-time wishes that the system has refused", |health| {
@@ -124,6 +129,10 @@ fn page(board: &Board) -> String {
         for (process, health, _) in board.all() {
             let _ = writeln!(text, "{name}{{process=\"{process}\"}} {}", value(health));
         }
+    }
+    head(&mut text, "radar_starts_total", "counter", "Starts of the process, whoever started it");
+    for (process, starts) in board.starts() {
+        let _ = writeln!(text, "radar_starts_total{{process=\"{process}\"}} {starts}");
     }
     head(&mut text, "radar_condition", "gauge", "1 for what the watchdog of the process says");
     for (process, health, _) in board.all() {
@@ -155,7 +164,7 @@ fn page(board: &Board) -> String {
     }
     let Some(recorder) = board.of("recorder") else { return text };
     let named = || LATENCY_NAMES.iter().zip(&recorder.latency).filter(|(_, latency)| latency.n > 0);
-    head(&mut text, "radar_latency_seconds", "summary", "Latencies of the run so far");
+    head(&mut text, "radar_latency_seconds", "summary", "Latencies of the whole run so far");
     for (name, latency) in named() {
         for (quantile, us) in [("0.5", latency.p50_us), ("0.99", latency.p99_us)] {
             let seconds = f64::from(us) * 1e-6;
@@ -183,6 +192,9 @@ mod tests {
             let mut board = Board::default();
             board.take(&health);
             let text = page(&board);
+            health.session += 1;
+            board.take(&health);
+            assert!(page(&board).contains("radar_starts_total{process=\"tracker\"} 2\n"));
             assert!(text.contains(&format!("radar_up{{process=\"tracker\"}} {up}\n")), "{text}");
         }
     }
