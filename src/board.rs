@@ -17,6 +17,8 @@ struct Entry {
     /// Share of one processor between the last two reports at least half a second apart.
     cpu_share: f64,
     since: (u64, u64),
+    /// Sessions seen.
+    starts: u32,
 }
 
 impl Board {
@@ -27,9 +29,12 @@ impl Board {
             health: *health,
             cpu_share: 0.0,
             since: now,
+            starts: 1,
         });
         if entry.health.session != health.session {
             entry.since = now;
+            // A report that was overtaken by those of the next session is of no new one.
+            entry.starts += u32::from(health.session > entry.health.session);
         }
         let elapsed_ns = now.0.saturating_sub(entry.since.0);
         if elapsed_ns >= 500_000_000 {
@@ -47,6 +52,11 @@ impl Board {
     /// All processes with their share of one processor.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&str, &Health, f64)> {
         self.latest.iter().map(|(name, entry)| (name.as_str(), &entry.health, entry.cpu_share))
+    }
+
+    /// All processes with their starts that have been seen.
+    pub(crate) fn starts(&self) -> impl Iterator<Item = (&str, u32)> {
+        self.latest.iter().map(|(name, entry)| (name.as_str(), entry.starts))
     }
 
     /// Whether nothing has been reported.

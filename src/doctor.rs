@@ -186,28 +186,40 @@ fn recordings(chain: &ChainConfig) -> Finding {
     let existing = folder.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
     let existing = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };
     let free = rustix::fs::statvfs(existing).map_or(0, |space| space.f_bavail * space.f_frsize) >> 20;
-    Finding::new("recordings", format!("{free} MiB free for {}", folder.display())).unless(
-        chain.recorder.record && free < 1024,
-        Level::Note,
-        "make room, or set recorder.directory to another disk",
+    let finding = Finding::new("recordings", format!("{free} MiB free for {}", folder.display()));
+    let (wanted, written) = (chain.recorder.record, tempfile::tempfile_in(existing).is_ok());
+    finding.unless(wanted && free < 1024, Level::Note, "make room, or set recorder.directory to another disk").unless(
+        wanted && !written,
+        Level::Bad,
+        format!("{} cannot be written by this user", existing.display()),
     )
 }
 
 /// Domains of chains that are no more.
 fn leftovers(chain: &ChainConfig) -> Finding {
-    let Ok(entries) = std::fs::read_dir(&chain.ipc.root) else { return Finding::new("leftovers", "none") };
-    let prefixes = entries
+    let prefixes = std::fs::read_dir(&chain.ipc.root)
+        .into_iter()
+        .flatten()
         .flatten()
         .filter(|entry| entry.path().is_dir())
         .filter_map(|entry| entry.file_name().to_string_lossy().strip_prefix("radar-chain-").map(String::from));
-    let dead: Vec<String> = prefixes
+    let mut dead: Vec<String> = prefixes
         .filter(|prefix| {
             let ipc = common::config::IpcConfig { prefix: prefix.clone(), ..chain.ipc.clone() };
             !Claim::is_taken(&ipc) && Domain::enter(&ipc).is_ok_and(|domain| !domain.is_alive())
         })
         .collect();
+    // Files alone, without the folder that a living chain has.
+    let files = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
+    dead.extend(files.filter_map(|file| {
+        let prefix = file.file_name().to_string_lossy().split_once(".rc_")?.0.to_string();
+        let ipc = common::config::IpcConfig { prefix: prefix.clone(), ..chain.ipc.clone() };
+        (!Domain::root(&ipc).exists()).then_some(prefix)
+    }));
+    dead.sort_unstable();
+    dead.dedup();
     let found = if dead.is_empty() { "none".into() } else { format!("domains of dead chains: {}", dead.join(", ")) };
-    let advice = "the next `radar-chain run` with the same --ipc-prefix removes them";
+    let advice = "the next `radar-chain run` with the same --ipc-prefix removes them (unless they are of a chain with another ipc.root)";
     Finding::new("leftovers", found).unless(!dead.is_empty(), Level::Note, advice)
 }
 

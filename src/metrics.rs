@@ -14,12 +14,15 @@ use common::health::{Condition, Health, REJECT_NAMES, Wish};
 use common::latency::LATENCY_NAMES;
 use common::process::BadInput;
 use common::services::TOPIC_NAMES;
+use common::time::monotonic_ns;
 use common::units::NS_PER_S;
 
 use crate::board::Board;
 
 /// A scraper that is slower is sent away.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// A process that has said nothing for so long is not up, s.
+const SILENT_S: f64 = 10.0;
 /// Longest request that is read, bytes.
 const REQUEST: usize = 8192;
 
@@ -82,7 +85,10 @@ fn answer(mut stream: TcpStream, page: &str) -> std::io::Result<()> {
 type Figure = (&'static str, &'static str, &'static str, fn(&Health) -> f64);
 
 const FIGURES: [Figure; 15] = [
-    ("radar_up", "gauge", "1 while the process speaks", |health| f64::from(health.ended == 0)),
+    ("radar_up", "gauge", "1 while the last health report is younger than 10 s and not of the end", |health| {
+        let age_s = monotonic_ns().saturating_sub(health.heartbeat_ns) as f64 / NS_PER_S;
+        f64::from(health.ended == 0 && age_s < SILENT_S)
+    }),
     ("radar_scan", "gauge", "Scan being worked on", |health| f64::from(health.scan)),
     ("radar_heartbeat_seconds", "gauge", "CLOCK_MONOTONIC of the last health report", |health| {
         health.heartbeat_ns as f64 / NS_PER_S
@@ -99,7 +105,12 @@ const FIGURES: [Figure; 15] = [
     ("radar_plots", "gauge", "Plots of the last whole scan", |health| f64::from(health.plots)),
     ("radar_tracks", "gauge", "Tracks alive, or true targets of a source", |health| f64::from(health.tracks)),
     ("radar_tracks_confirmed", "gauge", "Tracks confirmed", |health| f64::from(health.confirmed)),
-    ("radar_restarts_total", "counter", "Restarts of stages by the launcher", |health| f64::from(health.restarts)),
+    (
+        "radar_restarts_total",
+        "counter",
+        "Restarts of stages by the launcher; under systemd radar_starts_total counts",
+        |health| f64::from(health.restarts),
+    ),
     ("radar_upstream_silences_total", "counter", "Times that input stayed away", |health| f64::from(health.silences)),
     ("radar_slow_steps_total", "counter", "Steps that took too long", |health| f64::from(health.slow_steps)),
     ("radar_realtime_wishes_refused", "gauge", "Real-time wishes that the system has refused", |health| {
@@ -118,6 +129,10 @@ fn page(board: &Board) -> String {
         for (process, health, _) in board.all() {
             let _ = writeln!(text, "{name}{{process=\"{process}\"}} {}", value(health));
         }
+    }
+    head(&mut text, "radar_starts_total", "counter", "Starts of the process, whoever started it");
+    for (process, starts) in board.starts() {
+        let _ = writeln!(text, "radar_starts_total{{process=\"{process}\"}} {starts}");
     }
     head(&mut text, "radar_condition", "gauge", "1 for what the watchdog of the process says");
     for (process, health, _) in board.all() {
@@ -149,7 +164,7 @@ fn page(board: &Board) -> String {
     }
     let Some(recorder) = board.of("recorder") else { return text };
     let named = || LATENCY_NAMES.iter().zip(&recorder.latency).filter(|(_, latency)| latency.n > 0);
-    head(&mut text, "radar_latency_seconds", "summary", "Latencies of the run so far");
+    head(&mut text, "radar_latency_seconds", "summary", "Latencies of the whole run so far");
     for (name, latency) in named() {
         for (quantile, us) in [("0.5", latency.p50_us), ("0.99", latency.p99_us)] {
             let seconds = f64::from(us) * 1e-6;
@@ -162,4 +177,25 @@ fn page(board: &Board) -> String {
         let _ = writeln!(text, "radar_budget_misses_total{{latency=\"{name}\"}} {}", latency.misses);
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_process_that_has_fallen_silent_is_not_up() {
+        for (age_s, ended, up) in [(1, 0, 1), (11, 0, 0), (1, 1, 0)] {
+            let heartbeat_ns = monotonic_ns().saturating_sub(age_s * 1_000_000_000);
+            let mut health = Health { heartbeat_ns, ended, ..Health::default() };
+            health.set_process("tracker");
+            let mut board = Board::default();
+            board.take(&health);
+            let text = page(&board);
+            health.session += 1;
+            board.take(&health);
+            assert!(page(&board).contains("radar_starts_total{process=\"tracker\"} 2\n"));
+            assert!(text.contains(&format!("radar_up{{process=\"tracker\"}} {up}\n")), "{text}");
+        }
+    }
 }

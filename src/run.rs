@@ -99,11 +99,7 @@ pub(crate) fn run_id() -> String {
 }
 
 /// Runs the processes to their end.
-fn supervise(
-    chain: &ChainConfig,
-    orphans: Option<&Orphans>,
-    companion: &mut dyn Companion,
-) -> anyhow::Result<End> {
+fn supervise(chain: &ChainConfig, orphans: Option<&Orphans>, companion: &mut dyn Companion) -> anyhow::Result<End> {
     let (mut post, wake) = Post::take(NAME, chain)?;
     let file = Domain::root(&chain.ipc).join("chain.toml");
     std::fs::write(&file, chain.to_toml()).with_context(|| format!("writing {}", file.display()))?;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::time::{Duration, Instant};
 
-use common::config::{ChainConfig, Speed};
+use common::config::ChainConfig;
 use common::latency::LATENCY_NAMES;
 use common::services::{TOPIC_NAMES, Topic};
 use crossterm::cursor::MoveToPreviousLine;
@@ -100,8 +100,10 @@ struct Headline {
 
 impl Headline {
     fn of(board: &Board) -> Self {
-        let scan =
-            ["radar-sim", "plot-source"].iter().find_map(|source| board.of(source)).map_or(0, |health| health.scan);
+        let scan = ["radar-sim", "plot-source", "replay"]
+            .iter()
+            .find_map(|source| board.of(source))
+            .map_or(0, |health| health.scan);
         let tracker = board.of("tracker").copied().unwrap_or_default();
         let plots = board.of("plot-extractor").map_or(tracker.plots, |health| health.plots);
         Self { scan, plots, confirmed: tracker.confirmed, alive: tracker.tracks }
@@ -135,16 +137,13 @@ fn line(chain: &ChainConfig, board: &Board) -> String {
 /// The whole status: headline, processes, latencies.
 pub(crate) fn picture(chain: &ChainConfig, board: &Board) -> String {
     let now = Headline::of(board);
-    let speed = match chain.run.speed {
-        Speed::Max => "max".to_string(),
-        Speed::Times(factor) => format!("{factor}×"),
-    };
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{}  {}  {speed}  {}   {} plots a scan   {} tracks confirmed, {} alive   {} lost   {} restarts",
+        "{}  {}  {}  {}   {} plots a scan   {} tracks confirmed, {} alive   {} lost   {} restarts",
         chain.site.name,
         chain.run.mode.name(),
+        chain.run.speed,
         scan_of(chain, now.scan),
         now.plots,
         now.confirmed,
@@ -174,10 +173,15 @@ pub(crate) fn picture(chain: &ChainConfig, board: &Board) -> String {
         let _ = writeln!(text, "\n{:<16}{:>9}{:>9}   budget", "latency µs", "p50", "p99");
         for ((name, latency), budget) in LATENCY_NAMES.iter().zip(recorder.latency).zip(chain.budget.all()) {
             if latency.n > 0 {
+                let limits: Vec<String> =
+                    budget.limits().map(|(percentile, limit_us)| format!("p{percentile} ≤ {limit_us:.0}")).collect();
                 let _ = writeln!(
                     text,
-                    "{name:<16}{:>9.0}{:>9.0}   p{} ≤ {:.0}, {} misses",
-                    latency.p50_us, latency.p99_us, budget.percentile, budget.limit_us, latency.misses
+                    "{name:<16}{:>9.0}{:>9.0}   {}, {} misses",
+                    latency.p50_us,
+                    latency.p99_us,
+                    limits.join(", "),
+                    latency.misses
                 );
             }
         }

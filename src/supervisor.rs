@@ -207,7 +207,8 @@ impl Supervisor {
         if stage.name.is_source() {
             vec![format!("run.first_scan={}", next_scan(board, &self.chain))]
         } else if stage.name == StageName::Tracker {
-            let starts = note_tracker_start(self.file.parent().unwrap_or(Path::new("."))).max(u64::from(stage.restarts) + 1);
+            let starts =
+                note_tracker_start(self.file.parent().unwrap_or(Path::new("."))).max(u64::from(stage.restarts) + 1);
             vec![format!("run.first_track={}", self.chain.run.first_track + TRACKS_PER_START * starts)]
         } else {
             Vec::new()

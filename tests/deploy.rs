@@ -135,6 +135,7 @@ impl Drop for Systemd {
 #[test]
 fn units_start_restart_after_a_kill_and_stop_in_order() {
     let Some(systemd) = Systemd::boot() else {
+        assert!(std::env::var_os("CI").is_none(), "checks before landing need root and a systemd that can be booted");
         eprintln!("no systemd can be booted here: the units were not run");
         return;
     };

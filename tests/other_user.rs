@@ -9,6 +9,7 @@ use support::{Bench, output, scan, small_config, text_of};
 #[test]
 fn another_user_is_refused_and_the_chain_is_not_disturbed() {
     if !rustix::process::geteuid().is_root() {
+        assert!(std::env::var_os("CI").is_none(), "checks before landing need root");
         eprintln!("only root can become another user: not tested");
         return;
     }

@@ -3,15 +3,16 @@
 mod support;
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use common::latency_log;
 use common::report::Report;
-use support::{Bench, output, small_config, text_of};
+use support::{Bench, output, signal, small_config, text_of};
 
 fn soak(bench: &Bench, out: &str, arguments: &[&str]) -> (std::process::Output, Report) {
     let mut command = bench.command("soak", &small_config());
-    command.args(["--out", out, "--set", "soak.interval_s=0.2"]).args(arguments);
+    command.args(["--out", out, "--set", "soak.interval_s=0.1"]).args(arguments);
     let output = output(&mut command);
     assert!(bench.path(out).join("report.json").exists(), "{}", text_of(&output));
     (output, bench.report_at(&format!("{out}/report.json")))
@@ -23,9 +24,9 @@ fn a_soak_within_its_limits_ends_well_and_leaves_its_files() {
     // Limits that only a broken chain can break: times are for benchmarks.
     let wide = ["--set", "soak.growth_mib=50", "--budget", "end_to_end=60000000@50"];
     let wide: Vec<&str> = wide.into_iter().chain(LATENCIES.iter().flat_map(|key| ["--set", key])).collect();
-    let (output, report) =
+    let (soaked, report) =
         soak(&bench, "soak", &[&["--duration", "6s", "--speed", "1", "--reference"][..], &wide].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output));
+    assert_eq!(soaked.status.code(), Some(0), "{}", text_of(&soaked));
     let soak = report.soak.as_ref().expect("the soak's part");
     assert!(soak.ok && soak.findings.is_empty());
     assert!(report.scans >= 20, "{} scans", report.scans);
@@ -44,12 +45,16 @@ fn a_soak_within_its_limits_ends_well_and_leaves_its_files() {
     assert!(rows.lines().filter(|line| line.contains(",tracker,")).count() >= 10, "{rows}");
     assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
 
-    let compared = Command::new(env!("CARGO_BIN_EXE_radar-chain"))
-        .arg("compare")
-        .args([bench.path("soak/report.json"), bench.path("soak/report.json")])
-        .output()
-        .expect("comparing");
+    let compare = |later: &Path| {
+        let reports = [bench.path("soak/report.json").as_path(), later].map(Path::to_path_buf);
+        output(Command::new(env!("CARGO_BIN_EXE_radar-chain")).arg("compare").args(reports))
+    };
+    let compared = compare(&bench.path("soak/report.json"));
     assert_eq!(compared.status.code(), Some(0), "{}", text_of(&compared));
+    assert!(text_of(&compared).contains("not worse (tolerance 10 %)"), "{}", text_of(&compared));
+    let missing = compare(&bench.path("nothing.json"));
+    assert_eq!(missing.status.code(), Some(2), "{}", text_of(&missing));
+    assert!(text_of(&missing).contains("expected the report.json of a soak"), "{}", text_of(&missing));
     look_at(&bench.path("soak/report.html"), &bench.path("shot.png"));
 }
 
@@ -71,6 +76,7 @@ fn a_broken_budget_is_told_with_its_scans() {
     let soak = report.soak.as_ref().expect("the soak's part");
     assert!(soak.findings.iter().any(|finding| finding.starts_with("track: p99.9 is")), "{:?}", soak.findings);
     assert!(text_of(&output).contains("BROKEN track: p99.9"), "{}", text_of(&output));
+    assert!(report.misses.iter().any(|miss| miss.latency == "track" && miss.limit_us < 0.01), "{:?}", report.misses);
 
     let (output, report) =
         self::soak(&bench, "again", &["--scans", "12", "--speed", "4", "--set", "budget.track.limit_us=0.001"]);
@@ -87,8 +93,57 @@ fn a_budget_that_cannot_be_read_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{}", text_of(&output));
         assert!(text_of(&output).contains("expected NAME=US@PERCENTILE"), "{}", text_of(&output));
     }
-    let output = output(bench.command("soak", &small_config()).args(["--duration", "soon"]));
-    assert_eq!(output.status.code(), Some(2), "{}", text_of(&output));
+    for wrong in ["soon", "0s"] {
+        let output = output(bench.command("soak", &small_config()).args(["--duration", wrong]));
+        assert_eq!(output.status.code(), Some(2), "{}", text_of(&output));
+    }
+}
+
+#[test]
+fn memory_that_cannot_be_judged_is_said() {
+    let bench = Bench::new();
+    let (output, report) = soak(&bench, "soak", &["--scans", "8", "--set", "soak.interval_s=3600"]);
+    let soak = report.soak.expect("the soak's part");
+    assert!(soak.growth_mib.is_empty() && !soak.not_judged.is_empty(), "{soak:?}");
+    assert!(text_of(&output).contains("not judged: memory"), "{}", text_of(&output));
+    let page = std::fs::read_to_string(bench.path("soak/report.html")).expect("a page");
+    assert!(page.contains("are too short, 10 readings needed") || page.contains("before the first reading"));
+}
+
+/// Processes of a domain by what they were called with: those that name its folder.
+fn processes(bench: &Bench, word: &str) -> Vec<u32> {
+    let domain = format!("radar-chain-{}/", bench.prefix());
+    let entries = std::fs::read_dir("/proc").expect("processes").flatten();
+    let pids = entries.filter_map(|entry| entry.file_name().to_string_lossy().parse::<u32>().ok());
+    let called = |pid: &u32| {
+        let line = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+        let line = String::from_utf8_lossy(&line).into_owned();
+        line.contains(&domain) && line.split('\0').any(|argument| argument == word)
+    };
+    pids.filter(called).collect()
+}
+
+#[test]
+fn a_killed_soak_leaves_no_bare_hops_and_what_a_killed_chain_leaves_is_removed() {
+    let bench = Bench::new();
+    let mut command = bench.command("soak", &small_config());
+    command.args(["--out", "soak", "--duration", "1h", "--speed", "1", "--reference", "--no-record"]);
+    let mut soak = command.stderr(Stdio::null()).spawn().expect("a soak");
+    bench.wait_for("bare hops", |_| (processes(&bench, "hop").len() == 4).then_some(()));
+    soak.kill().expect("killing the launcher");
+    soak.wait().expect("its end");
+    bench.wait_for("the end of the bare hops", |_| processes(&bench, "hop").is_empty().then_some(()));
+    for stage in processes(&bench, "stage") {
+        signal(stage, "KILL");
+    }
+    let began = Instant::now();
+    while !processes(&bench, "stage").is_empty() {
+        assert!(began.elapsed() < Duration::from_secs(60), "killed stages end");
+    }
+    assert!(!bench.left_behind().is_empty(), "files of a chain that was killed");
+    let again = bench.run(&["--scans", "4"]);
+    assert_eq!(again.status.code(), Some(0), "{}", text_of(&again));
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
 }
 
 /// Opens the page in a browser, where there is one: it must have drawn itself without an error.

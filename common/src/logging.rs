@@ -16,7 +16,9 @@ use tracing_subscriber::registry::LookupSpan;
 /// Starts logging for this process.
 pub(crate) fn start() {
     let filter = EnvFilter::try_from_env("RADAR_LOG").unwrap_or_else(|_| EnvFilter::new("warn"));
-    let lines = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+    // Whoever read the log may be gone: that is no reason to end, as the panic of an `eprintln!` about it would be.
+    let lines =
+        tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).log_internal_errors(false);
     let started = match form().as_str() {
         "json" => lines.json().flatten_event(true).try_init(),
         "journal" => {
@@ -25,6 +27,11 @@ pub(crate) fn start() {
         _ => lines.with_ansi(std::io::stderr().is_terminal()).try_init(),
     };
     let _ = started; // a second start in one process changes nothing
+}
+
+/// Whether the log is read by a program: then everything on standard error is a record with a severity.
+pub(crate) fn is_for_programs() -> bool {
+    form() != "text"
 }
 
 fn form() -> String {

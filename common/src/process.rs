@@ -110,7 +110,11 @@ fn conclude(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> Exit
             ExitCode::SUCCESS
         }
         Err(error) => {
-            say(&format!("{name}: {error:#}"));
+            if logging::is_for_programs() {
+                tracing::error!("{error:#}");
+            } else {
+                say(&format!("{name}: {error:#}"));
+            }
             let usage = error.chain().any(|cause| cause.is::<ConfigError>() || cause.is::<BadInput>());
             let memory =
                 |cause: &IpcError| matches!(cause, IpcError::SharedMemoryTooSmall { .. } | IpcError::OtherUser { .. });
@@ -120,8 +124,13 @@ fn conclude(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> Exit
     }
 }
 
-/// Writes a line for the user to standard error. Whoever read it may be gone: that is no reason to end.
+/// Writes a line for the user to standard error, or a warning to a log that a program reads. Whoever read it may be
+/// gone: that is no reason to end.
 pub fn say(line: &str) {
+    if logging::is_for_programs() {
+        tracing::warn!("{line}");
+        return;
+    }
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 

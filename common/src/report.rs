@@ -170,6 +170,9 @@ pub struct Soak {
     pub blocks: BTreeMap<String, Blocks>,
     /// Private resident memory gained after warm-up, by process, MiB; not of processes that were restarted.
     pub growth_mib: BTreeMap<String, f64>,
+    /// What could not be judged, and why, in words.
+    #[serde(default)]
+    pub not_judged: Vec<String>,
     /// The bare hop measured beside the run, by the latency it is compared with, µs.
     pub reference: BTreeMap<String, Percentiles>,
     /// Median of a hop over the median of the bare one, by latency.

@@ -10,6 +10,9 @@ pub fn to_db(ratio: f64) -> f64 {
     10.0 * ratio.log10()
 }
 
+/// Bytes in a MiB.
+pub const MIB: f64 = 1_048_576.0;
+
 /// ns in a second.
 pub const NS_PER_S: f64 = 1e9;
 

@@ -7,10 +7,7 @@ use std::io::Read;
 use common::recording::container::{Blocks, Entry, Reader};
 use common::recording::{GapReason, RecordedRef, RecordingError};
 use common::services::{ALL_TOPICS, Topic};
-use common::units::seconds_between;
-
-/// Bytes in a MiB.
-const MIB: f64 = 1_048_576.0;
+use common::units::{MIB, seconds_between};
 
 /// Messages of one topic.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::time::Duration;
 
-use common::config::{Budget, BudgetConfig};
+use common::config::BudgetConfig;
 use common::health::LatencySummary;
 use common::latency::{LATENCIES, LATENCY_NAMES, Latency, LatencyHistograms};
 use common::latency_log::LatencyLog;
@@ -22,7 +22,7 @@ pub(crate) struct Latencies {
     log: Option<LatencyLog<File>>,
 }
 
-/// Scans in which one latency was above its limit.
+/// Scans in which one latency was above the strictest of its limits.
 #[derive(Debug, Clone, Default)]
 struct Misses {
     count: u64,
@@ -90,7 +90,8 @@ impl Latencies {
         if let Some(log) = &mut self.log {
             log.record(latency, from_ns, to_ns);
         }
-        let limit_ns = self.budgets.all()[latency as usize].limit_us * 1000.0;
+        let limits = self.budgets.all()[latency as usize];
+        let limit_ns = limits.limits().map(|(_, limit_us)| limit_us).fold(f64::INFINITY, f64::min) * 1000.0;
         let took_ns = to_ns.saturating_sub(from_ns);
         if from_ns != 0 && to_ns != 0 && took_ns as f64 > limit_ns {
             self.misses[latency as usize].note(scan, took_ns);
@@ -112,21 +113,20 @@ impl Latencies {
             };
             let limits: Vec<LimitResult> = budget.limits().map(limit).collect();
             let ok = limits.iter().all(|limit| limit.ok);
-            let Budget { limit_us, percentile, .. } = budget;
+            let LimitResult { limit_us, percentile, .. } = limits[0]; // there is always one
             ((*name).to_string(), BudgetResult { limit_us, percentile, misses: misses.count, ok, limits })
         });
         results.collect()
     }
 
-    /// The scans above a limit that are listed, by latency and scan.
+    /// The scans above a limit that are listed, by latency and scan, each with the highest of the limits it broke.
     pub(crate) fn misses(&self) -> Vec<Miss> {
         let named = LATENCY_NAMES.iter().zip(self.budgets.all()).zip(&self.misses);
         let listed = named.flat_map(|((name, budget), misses)| {
-            misses.listed.iter().map(move |&(scan, ns)| Miss {
-                scan,
-                latency: (*name).to_string(),
-                us: ns as f64 / 1000.0,
-                limit_us: budget.limit_us,
+            misses.listed.iter().map(move |&(scan, ns)| {
+                let us = ns as f64 / 1000.0;
+                let broken = budget.limits().map(|(_, limit_us)| limit_us).filter(|&limit_us| limit_us < us);
+                Miss { scan, latency: (*name).to_string(), us, limit_us: broken.fold(0.0, f64::max) }
             })
         });
         listed.collect()
@@ -147,6 +147,19 @@ impl Latencies {
 mod tests {
     use super::*;
     use common::message::Stamps;
+
+    #[test]
+    fn a_miss_is_listed_with_the_limit_it_broke() {
+        let mut budgets = BudgetConfig::default();
+        budgets.track.p50_us = Some(5.0);
+        let mut latencies = Latencies::new(&budgets);
+        for (scan, took_ns) in [(0, 1000), (1, 10_000), (2, 9_000_000)] {
+            let stamps = Stamps { tracker_in_ns: 2000, tracks_out_ns: 2000 + took_ns, ..Stamps::default() };
+            latencies.tracks(&TracksHeader { scan, stamps, ..TracksHeader::default() }, 0);
+        }
+        let misses: Vec<_> = latencies.misses().iter().map(|miss| (miss.scan, miss.limit_us)).collect();
+        assert_eq!(misses, [(1, 5.0), (2, 2000.0)]);
+    }
 
     #[test]
     fn misses_are_counted_once_a_scan_and_missing_stamps_not_at_all() {

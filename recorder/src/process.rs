@@ -133,11 +133,6 @@ impl Recorder {
     fn new(chain: &ChainConfig, session: u64) -> anyhow::Result<Self> {
         let id = if chain.run.id.is_empty() { (session / 1_000_000_000).to_string() } else { chain.run.id.clone() };
         let mut fold = Fold::new(chain);
-        if !chain.soak.log.is_empty() {
-            let opened = File::options().create(true).append(true).open(&chain.soak.log).and_then(LatencyLog::begin);
-            let refuse = |error| BadInput(format!("log of latencies {}: {error}", chain.soak.log));
-            fold.log_latencies(opened.map_err(refuse)?);
-        }
         let mut recording = chain.recorder.record.then(|| Recording::new(chain, &id, session));
         if let Some(recording) = &mut recording {
             let earlier = recording.earlier_parts();
@@ -149,6 +144,12 @@ impl Recorder {
                 Err(error) => recording.interrupt(&error),
                 Ok(()) => {}
             }
+        }
+        // From here on: what was read again is in the log already.
+        if !chain.soak.log.is_empty() {
+            let opened = File::options().create(true).append(true).open(&chain.soak.log).and_then(LatencyLog::begin);
+            let refuse = |error| BadInput(format!("log of latencies {}: {error}", chain.soak.log));
+            fold.log_latencies(opened.map_err(refuse)?);
         }
         let place = ReportPlace::reserve(Path::new(&chain.recorder.report))?;
         Ok(Self { fold, recording, gaps: Vec::new(), place, ended: false, ended_at: None })

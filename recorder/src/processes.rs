@@ -4,10 +4,7 @@ use std::collections::BTreeMap;
 
 use common::health::{Health, REJECT_NAMES, REJECTS, Wish};
 use common::report::ProcessUse;
-use common::units::NS_PER_S;
-
-/// Bytes in a MiB.
-const MIB: f64 = 1_048_576.0;
+use common::units::{MIB, NS_PER_S};
 
 /// The fold of health reports, by process.
 #[derive(Debug, Default)]

@@ -40,7 +40,7 @@ impl Retention {
                 let (run, part) = run_and_part(&path)?;
                 let run = run.strip_prefix(self.site.as_str())?.strip_prefix('-')?.to_string();
                 let others = about.is_file() && path != own && is_of_site(&path, &self.site);
-                others.then(|| (run, part, path, about.len()))
+                others.then_some((run, part, path, about.len()))
             })
             .collect();
         found.sort_unstable();

@@ -189,7 +189,11 @@ fn a_mixed_recording_cut_anywhere_gives_its_first_messages() {
             .collect::<Result<_, _>>()
             .unwrap_or_else(|error| panic!("cut at {cut}: {error}"));
         assert!(read == messages[..read.len()], "cut at {cut}");
-        assert!(read.len() as u64 % CHUNK == 0 || read.len() == messages.len(), "cut at {cut}: {}", read.len());
+        assert!(
+            (read.len() as u64).is_multiple_of(CHUNK) || read.len() == messages.len(),
+            "cut at {cut}: {}",
+            read.len()
+        );
         let (text, findings) = verify(&[&bytes[..cut]]);
         assert!(findings == 1 && text.contains("cut: ends at byte"), "cut at {cut}: {text}");
     }

@@ -21,7 +21,7 @@ use anyhow::Context;
 use common::config::ChainConfig;
 use common::latency::{LATENCY_NAMES, Latency};
 use common::latency_log::{self, Interval};
-use common::process::{BadInput, EXIT_CHECK_BROKEN};
+use common::process::{BadInput, EXIT_CHECK_BROKEN, signals};
 use common::report::{Blocks, Percentiles, Report, Soak};
 
 use crate::board::Board;
@@ -49,6 +49,9 @@ pub(crate) struct Plan {
 
 /// Runs the chain, measures it, judges it.
 pub(crate) fn soak(mut chain: ChainConfig, plan: &Plan) -> anyhow::Result<ExitCode> {
+    if plan.duration == Some(Duration::ZERO) {
+        return Err(BadInput("--duration 0s: expected a time above 0".into()).into());
+    }
     let claim = Claim::take(&chain.ipc)?; // before anything of an earlier soak, which may still run, is touched
     let refuse = |error: std::io::Error| BadInput(format!("folder of the soak {}: {error}", plan.out.display()));
     std::fs::create_dir_all(&plan.out).map_err(refuse)?;
@@ -59,20 +62,22 @@ pub(crate) fn soak(mut chain: ChainConfig, plan: &Plan) -> anyhow::Result<ExitCo
     let _ = std::fs::remove_file(&chain.soak.log); // of an earlier soak
     let resources = Resources::create(&out, Duration::from_secs_f64(chain.soak.interval_s))?;
     let reference = plan.reference.then(|| Reference::of(&chain, &out));
-    let mut companion = Watcher { duration: plan.duration, begun: None, resources, reference, ended: false, unwritten: None };
+    let mut companion =
+        Watcher { duration: plan.duration, begun: None, resources, reference, ended: None, unwritten: None };
     let limits = chain.clone();
     let launched = launch(&claim, chain, &mut companion)?;
-    let Watcher { resources, reference, mut unwritten, .. } = companion;
+    let Watcher { resources, reference, ended, unwritten, .. } = companion;
     drop(reference); // its logs are written when its processes have ended
-    let series = resources.finish().unwrap_or_else(|error| {
-        unwritten.get_or_insert(format!("{error:#}"));
-        Series::default()
-    });
+    let series = match resources.finish() {
+        Ok(series) => Series { unwritten, ..series },
+        Err(error) => Series { unwritten: Some(format!("{error:#}")), ..Series::default() },
+    };
     let outcome = match launched {
         Ok(outcome) => outcome,
         Err(code) => return Ok(code),
     };
-    let report = conclude(&limits, outcome, &series, unwritten, &out)?;
+    let asked = verdict::Asked { duration: plan.duration, ran: ended.unwrap_or_default(), stopped: signals() > 0 };
+    let report = conclude(&limits, outcome, &series, &asked, &out)?;
     print!("{}", report.to_text());
     print!("{}", verdict::to_text(&report));
     println!("\nresults in {}: report.html, report.json, latency.hlog, resources.csv", plan.out.display());
@@ -83,18 +88,19 @@ pub(crate) fn soak(mut chain: ChainConfig, plan: &Plan) -> anyhow::Result<ExitCo
 /// Notes resources while the chain runs, keeps the bare hop going, and ends both in time.
 struct Watcher {
     duration: Option<Duration>,
-    /// When the source had begun its first scan.
+    /// When the source had sent its first message.
     begun: Option<Instant>,
     resources: Resources,
     reference: Option<Reference>,
-    ended: bool,
+    /// How long after that the end began.
+    ended: Option<Duration>,
     /// Why the series is not whole.
     unwritten: Option<String>,
 }
 
 impl Companion for Watcher {
     fn look(&mut self, board: &Board, supervisor: &mut Supervisor, screen: &mut Screen) -> anyhow::Result<()> {
-        if self.begun.is_none() && board.of("tracker").is_some_and(|tracker| tracker.messages_out > 0) {
+        if self.begun.is_none() && board.all().any(|(_, health, _)| health.messages_out > 0) {
             self.begun = Some(Instant::now());
             if let Some(reference) = &mut self.reference {
                 reference.start()?;
@@ -113,8 +119,8 @@ impl Companion for Watcher {
                 supervisor.stop();
             }
         }
-        if supervisor.is_ending() && !self.ended {
-            self.ended = true;
+        if supervisor.is_ending() && self.ended.is_none() {
+            self.ended = Some(begun.elapsed());
             if let Some(reference) = &mut self.reference {
                 reference.stop();
             }
@@ -128,7 +134,7 @@ fn conclude(
     chain: &ChainConfig,
     outcome: Outcome,
     series: &Series,
-    unwritten: Option<String>,
+    asked: &verdict::Asked,
     out: &Path,
 ) -> anyhow::Result<Report> {
     let read = |name: &str| {
@@ -146,9 +152,19 @@ fn conclude(
             .enumerate()
             .map(|(place, name)| ((*name).into(), course(&intervals, place)))
             .collect(),
-        growth_mib: series.growth_mib(chain.soak.warm_up),
         ..Soak::default()
     };
+    for (process, growth) in series.growth_mib(chain.soak.warm_up) {
+        match growth {
+            Ok(mib) => {
+                soak.growth_mib.insert(process, mib);
+            }
+            Err(reason) => soak.not_judged.push(format!("memory of {process}: {reason}")),
+        }
+    }
+    if series.by_process.is_empty() {
+        soak.not_judged.push("memory: the run has ended before the first reading".into());
+    }
     soak.blocks.retain(|_, blocks| !blocks.t_s.is_empty());
     let bare = latency_log::merged(&bare);
     for (name, histogram) in bare.named().filter(|(_, histogram)| !histogram.is_empty()) {
@@ -159,8 +175,8 @@ fn conclude(
             soak.ratio_to_reference.insert(name.into(), hop.p50 / reference.p50);
         }
     }
-    soak.findings = verdict::findings(chain, &report, &soak, outcome.disturbed);
-    soak.findings.extend(unwritten);
+    soak.findings = verdict::findings(chain, &report, &soak, asked, outcome.disturbed);
+    soak.findings.extend(series.unwritten.clone());
     soak.ok = soak.findings.is_empty();
     report.soak = Some(soak);
     let write = |name: &str, text: String| {

@@ -1,20 +1,19 @@
 //! The report of a soak as one page that stands alone.
 
-use common::config::{ChainConfig, Speed};
+use common::config::ChainConfig;
 use common::latency::LatencyHistograms;
 use common::report::Report;
+use common::units::MIB;
 use hdrhistogram::Histogram;
 use serde_json::{Map, Value, json};
 
-use super::resources::{Row, Series, points};
+use super::resources::{Series, points};
 
 /// The page; its data go where the placeholder is.
 const TEMPLATE: &str = include_str!("report.html");
 const PLACEHOLDER: &str = "__REPORT_JSON__";
 /// Points of a percentile curve: so many for each halving of the share above.
 const TICKS_PER_HALF_DISTANCE: u32 = 5;
-/// Bytes in a MiB.
-const MIB: f64 = 1_048_576.0;
 
 /// Writes the page.
 pub(super) fn html(
@@ -61,39 +60,38 @@ fn data(
         .map(|(name, blocks)| (name.clone(), json!({"p50": blocks.p50, "p99": blocks.p99, "max": blocks.max})))
         .collect();
     let tracker = series.by_process.get("tracker").map_or(&[][..], Vec::as_slice);
-    let of = |rows: &[Row], value: fn(&Row) -> f64| -> Vec<f64> { points(rows).map(value).collect() };
     json!({
         "site": chain.site.name,
         "version": report.version,
         "git": report.git,
         "mode": chain.run.mode.name(),
-        "speed": match chain.run.speed { Speed::Max => "max".into(), Speed::Times(factor) => format!("{factor}×") },
+        "speed": chain.run.speed.to_string(),
         "started_utc": report.config.as_ref().map_or("", |config| config.run.id.as_str()),
         "wall_s": report.wall_s,
         "scans": report.scans,
         "realtime_factor": report.realtime_factor,
         "machine": crate::machine::describe(),
-        "verdict": {"ok": soak.ok, "findings": soak.findings},
+        "verdict": {"ok": soak.ok, "findings": soak.findings, "not_judged": soak.not_judged},
         "latency": latencies.named().filter(shown).map(latency).collect::<Map<_, _>>(),
         "reference": if reference.is_empty() { Value::Null } else { reference.into() },
         "blocks": {"t_s": times, "latency": courses},
         "processes": series.by_process.iter().map(|(name, rows)| {
             let growth = soak.growth_mib.get(name);
             (name.clone(), json!({
-                "t_s": of(rows, |row| row.t_s),
-                "rss_mib": of(rows, |row| row.rss_bytes as f64 / MIB),
-                "fds": of(rows, |row| f64::from(row.files)),
-                "cpu_share": of(rows, |row| row.cpu_share),
+                "t_s": points(rows, |row| row.t_s),
+                "rss_mib": points(rows, |row| row.rss_bytes as f64 / MIB),
+                "fds": points(rows, |row| f64::from(row.files)),
+                "cpu_share": points(rows, |row| row.cpu_share),
                 "restarts": report.processes.get(name).map_or(0, |used| used.restarts),
                 "growth_mib": growth,
                 "growth_ok": growth.is_none_or(|&growth| growth <= chain.soak.growth_mib),
             }))
         }).collect::<Map<_, _>>(),
         "per_scan": {
-            "t_s": of(tracker, |row| row.t_s),
-            "plots": of(tracker, |row| f64::from(row.plots)),
-            "tracks": of(tracker, |row| f64::from(row.tracks)),
-            "confirmed": of(tracker, |row| f64::from(row.confirmed)),
+            "t_s": points(tracker, |row| row.t_s),
+            "plots": points(tracker, |row| f64::from(row.plots)),
+            "tracks": points(tracker, |row| f64::from(row.tracks)),
+            "confirmed": points(tracker, |row| f64::from(row.confirmed)),
         },
         "loss": report.books,
         "misses": report.misses,

@@ -13,7 +13,7 @@ use common::latency::{LATENCY_NAMES, Latency};
 use common::latency_log::LatencyLog;
 use common::plots::{Plot, PlotsHeader};
 use common::process::{BadInput, StageArgs, stop_requested};
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::{Pid, Signal, kill_process, set_parent_process_death_signal};
 
 /// The latencies that are one event-driven hop.
 pub(super) const LATENCIES_OF_HOPS: [Latency; 2] = [Latency::HopDwells, Latency::HopPlots];
@@ -100,7 +100,12 @@ impl Reference {
             }
         }
         for mut child in self.children.drain(..) {
-            let _ = child.wait();
+            // Said, not fatal: the soak goes on without what it is compared with.
+            match child.wait() {
+                Ok(status) if status.success() => {}
+                Ok(status) => common::process::say(&format!("a process of the bare hop has failed: {status}")),
+                Err(error) => common::process::say(&format!("waiting for a process of the bare hop: {error}")),
+            }
         }
     }
 }
@@ -135,6 +140,8 @@ fn length(chain: &ChainConfig, latency: Latency) -> usize {
 
 /// Runs one end of a bare hop until it is asked to stop.
 pub(crate) fn hop(args: &HopArgs) -> anyhow::Result<ExitCode> {
+    // A soak that is killed takes its bare hops with it.
+    set_parent_process_death_signal(Some(Signal::TERM)).context("asking to end with the soak")?;
     let known = |latency: &Latency| LATENCY_NAMES[*latency as usize] == args.latency;
     let latency = LATENCIES_OF_HOPS.into_iter().find(known);
     let latency = latency.ok_or_else(|| BadInput(format!("{} is no hop", args.latency)))?;

@@ -6,14 +6,15 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context;
+use common::units::MIB;
 use serde::{Deserialize, Serialize};
 
 use crate::board::Board;
 
+/// Rows that memory growth can be told from: at least one in each tenth of the run.
+const ROWS: usize = 10;
 /// Rows are thinned to at most so many of each process when they are read back.
 const POINTS: usize = 400;
-/// Bytes in a MiB.
-const MIB: f64 = 1_048_576.0;
 
 /// One process at one time: a line of `resources.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -82,7 +83,7 @@ impl Resources {
             let row: Row = row.with_context(reading)?;
             by_process.entry(row.process.clone()).or_default().push(row);
         }
-        Ok(Series { by_process })
+        Ok(Series { by_process, unwritten: None })
     }
 }
 
@@ -90,16 +91,23 @@ impl Resources {
 #[derive(Debug, Default)]
 pub(super) struct Series {
     pub(super) by_process: BTreeMap<String, Vec<Row>>,
+    /// Why it is not whole.
+    pub(super) unwritten: Option<String>,
 }
 
 impl Series {
     /// Private memory gained after the first share `warm_up` of the run, MiB: median of the last tenth less median
-    /// of the tenth after warm-up. Shared memory is reserved at the start and cannot grow; what a process has touched of it can. Processes that were restarted, and runs too short to tell, have none.
-    pub(super) fn growth_mib(&self, warm_up: f64) -> BTreeMap<String, f64> {
-        let growth = |rows: &Vec<Row>| {
-            let (count, end) = (rows.len(), rows.last()?.t_s);
-            if count < 10 || rows.iter().any(|row| row.pid != rows[count - 1].pid) {
-                return None;
+    /// of the tenth after warm-up. Shared memory is reserved at the start and cannot grow; what a process has touched of it can.
+    /// Of a process that was restarted, or measured for too short a time, it says why it has none.
+    pub(super) fn growth_mib(&self, warm_up: f64) -> BTreeMap<String, Result<f64, String>> {
+        let growth = |rows: &[Row]| {
+            let (count, end) = (rows.len(), rows.last().map_or(0.0, |row| row.t_s));
+            let too_short = || format!("{end:.0} s with {count} readings are too short, {ROWS} readings needed");
+            if rows.iter().any(|row| row.pid != rows[count - 1].pid) {
+                return Err("it was restarted".to_string());
+            }
+            if count < ROWS {
+                return Err(too_short());
             }
             let within = |from: f64, to: f64| {
                 let chosen = rows.iter().filter(|row| (from * end..=to * end).contains(&row.t_s));
@@ -107,15 +115,17 @@ impl Series {
                 values.sort_unstable();
                 values.get(values.len() / 2).map(|&bytes| bytes as f64 / MIB)
             };
-            Some(within(0.9, 1.0)? - within(warm_up, warm_up + 0.1)?)
+            let gained = |before: f64| Some(within(0.9, 1.0)? - before);
+            within(warm_up, warm_up + 0.1).and_then(gained).ok_or_else(too_short)
         };
-        self.by_process.iter().filter_map(|(name, rows)| Some((name.clone(), growth(rows)?))).collect()
+        self.by_process.iter().map(|(name, rows)| (name.clone(), growth(rows))).collect()
     }
 }
 
-/// The rows of one process, thinned.
-pub(super) fn points(rows: &[Row]) -> impl Iterator<Item = &Row> {
-    rows.iter().step_by(rows.len().div_ceil(POINTS).max(1))
+/// A value of one process over the run, thinned: the largest of each block of neighbours, so that no spike is lost.
+pub(super) fn points(rows: &[Row], value: fn(&Row) -> f64) -> Vec<f64> {
+    let largest = |block: &[Row]| block.iter().map(value).fold(f64::MIN, f64::max);
+    rows.chunks(rows.len().div_ceil(POINTS).max(1)).map(largest).collect()
 }
 
 #[cfg(test)]
@@ -139,9 +149,9 @@ mod tests {
         (0..1000).map(row).collect()
     }
 
-    fn growth(rows: Vec<Row>) -> Option<f64> {
-        let series = Series { by_process: [("tracker".to_string(), rows)].into() };
-        series.growth_mib(0.1).get("tracker").copied()
+    fn growth(rows: Vec<Row>) -> Result<f64, String> {
+        let series = Series { by_process: [("tracker".to_string(), rows)].into(), unwritten: None };
+        series.growth_mib(0.1)["tracker"].clone()
     }
 
     #[test]
@@ -153,7 +163,16 @@ mod tests {
     }
 
     #[test]
-    fn a_restarted_process_has_no_growth() {
-        assert_eq!(growth(rows(|_| 9.0, |k| k / 500)), None);
+    fn thinning_keeps_a_spike() {
+        let spiky = rows(|k| if k == 501 { 99.0 } else { 1.0 }, |_| 1);
+        let thinned = points(&spiky, |row| row.private_bytes as f64 / MIB);
+        assert!(thinned.len() <= POINTS && thinned.contains(&99.0), "{} points", thinned.len());
+    }
+
+    #[test]
+    fn a_process_that_was_restarted_or_lived_shortly_says_so() {
+        assert_eq!(growth(rows(|_| 9.0, |k| k / 500)), Err("it was restarted".to_string()));
+        let short = rows(|_| 9.0, |_| 1).into_iter().take(5).collect();
+        assert_eq!(growth(short), Err("4 s with 5 readings are too short, 10 readings needed".to_string()));
     }
 }

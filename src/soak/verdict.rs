@@ -1,16 +1,52 @@
 //! Whether a soak stayed within its limits, and what did not.
 
 use std::fmt::Write;
+use std::time::Duration;
 
 use common::config::{ChainConfig, Speed};
+use common::latency::{LATENCY_NAMES, Latency};
 use common::report::{Report, Soak};
 
-/// What broke a limit, in words; nothing if all was kept.
-pub(super) fn findings(chain: &ChainConfig, report: &Report, soak: &Soak, disturbed: bool) -> Vec<String> {
-    let mut findings = Vec::new();
-    for (name, budget) in &report.budget {
-        // At full speed queues are full by design: the radar's own limit, the first, is not for that.
-        let judged = budget.limits.iter().skip(usize::from(chain.run.speed == Speed::Max));
+/// Share of the speed asked for that has to be reached.
+const PACE: f64 = 0.95;
+
+/// How long a soak was to last, and how it ended.
+#[derive(Debug, Default)]
+pub(super) struct Asked {
+    pub(super) duration: Option<Duration>,
+    /// From the first message to the end.
+    pub(super) ran: Duration,
+    /// The user ended it.
+    pub(super) stopped: bool,
+}
+
+/// What broke a limit or was not done as asked, in words; nothing if all was kept.
+pub(super) fn findings(
+    chain: &ChainConfig,
+    report: &Report,
+    soak: &Soak,
+    asked: &Asked,
+    disturbed: bool,
+) -> Vec<String> {
+    let mut findings: Vec<String> = cut_short(chain, report, asked).into_iter().collect();
+    if let Speed::Times(factor) = chain.run.speed
+        && report.realtime_factor < PACE * factor
+    {
+        let reached = report.realtime_factor;
+        findings.push(format!("{reached:.2} × real time reached, {factor} × asked for: the chain is too slow for it"));
+    }
+    // Dwells go to a plot extractor only.
+    let first = if chain.upstream_of_recorder().contains(&"plot-extractor") { 0 } else { Latency::HopPlots as usize };
+    for name in &LATENCY_NAMES[first..] {
+        if report.latency_us.get(*name).is_none_or(|latency| latency.n == 0) {
+            findings.push(format!("{name}: no values, nothing is known of its budget"));
+        }
+    }
+    for (name, limits) in LATENCY_NAMES.iter().zip(chain.budget.all()) {
+        let Some(budget) = report.budget.get(*name) else { continue };
+        // At full speed queues are full by design: the radar's own limit is not for that.
+        let given = |percentile: f64| limits.further().any(|(other, _)| (other - percentile).abs() < 1e-9);
+        let judged = budget.limits.iter().filter(|limit| chain.run.speed != Speed::Max || given(limit.percentile));
         for limit in judged.filter(|limit| !limit.ok) {
             let (percentile, value, limit) = (limit.percentile, limit.value_us, limit.limit_us);
             findings.push(format!("{name}: p{percentile} is {value:.0} µs, its budget {limit:.0} µs"));
@@ -40,6 +76,19 @@ pub(super) fn findings(chain: &ChainConfig, report: &Report, soak: &Soak, distur
     findings
 }
 
+/// What is missing of the time or the scans that were asked for.
+fn cut_short(chain: &ChainConfig, report: &Report, asked: &Asked) -> Option<String> {
+    let scans = u64::from(chain.run.scans.saturating_sub(chain.run.first_scan));
+    match asked.duration {
+        Some(duration) if scans == 0 && asked.ran < duration => {
+            Some(format!("cut short: {:.0} s of {:.0} s", asked.ran.as_secs_f64(), duration.as_secs_f64()))
+        }
+        _ if asked.stopped && scans > 0 => Some(format!("cut short: {} of {scans} scans", report.scans)),
+        None if asked.stopped => Some(format!("cut short after {} scans", report.scans)),
+        _ => None,
+    }
+}
+
 /// The soak's part of the report for a terminal.
 pub(super) fn to_text(report: &Report) -> String {
     let mut text = String::new();
@@ -52,6 +101,9 @@ pub(super) fn to_text(report: &Report) -> String {
     }
     for (process, growth) in &soak.growth_mib {
         let _ = writeln!(text, "  {:<30}{growth:+.2} MiB after warm-up", format!("memory of {process}"));
+    }
+    for not_judged in &soak.not_judged {
+        let _ = writeln!(text, "  not judged: {not_judged}");
     }
     for (name, bare) in &soak.reference {
         let ratio = soak.ratio_to_reference.get(name).copied().unwrap_or(f64::NAN);
@@ -78,10 +130,50 @@ pub(super) fn to_text(report: &Report) -> String {
         let _ = writeln!(text, "  {:<30}{misses} in all, the first of each latency in report.json", "misses");
     }
     if soak.ok {
-        let _ = writeln!(text, "  within all limits");
+        let judged = if soak.not_judged.is_empty() { "all limits" } else { "all limits that could be judged" };
+        let _ = writeln!(text, "  within {judged}");
     }
     for finding in &soak.findings {
         let _ = writeln!(text, "  BROKEN {finding}");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::report::Percentiles;
+
+    fn found(speed: Speed, realtime_factor: f64, scans: u32, asked: &Asked) -> Vec<String> {
+        let mut chain = ChainConfig::default();
+        (chain.run.speed, chain.run.scans) = (speed, scans);
+        let mut report = Report { realtime_factor, scans: 7, ..Report::default() };
+        for name in LATENCY_NAMES {
+            report.latency_us.insert(name.to_string(), Percentiles { n: 1, ..Percentiles::default() });
+        }
+        findings(&chain, &report, &Soak::default(), asked, false)
+    }
+
+    #[test]
+    fn a_soak_that_is_cut_short_or_too_slow_does_not_pass() {
+        let asked = |duration: Option<u64>, ran: u64, stopped| Asked {
+            duration: duration.map(Duration::from_secs),
+            ran: Duration::from_secs(ran),
+            stopped,
+        };
+        let whole = asked(Some(60), 60, false);
+        assert_eq!(found(Speed::Times(1.0), 0.99, 0, &whole), [""; 0]);
+        assert_eq!(found(Speed::Max, 0.1, 0, &whole), [""; 0]);
+        assert!(found(Speed::Times(100.0), 9.25, 0, &whole)[0].starts_with("9.25 × real time reached, 100 ×"));
+        assert_eq!(found(Speed::Max, 1.0, 0, &asked(Some(28_800), 5, true)), ["cut short: 5 s of 28800 s"]);
+        assert_eq!(found(Speed::Max, 1.0, 10, &asked(None, 5, true)), ["cut short: 7 of 10 scans"]);
+        assert_eq!(found(Speed::Max, 1.0, 0, &asked(None, 5, true)), ["cut short after 7 scans"]);
+    }
+
+    #[test]
+    fn a_budget_without_values_is_not_kept() {
+        let findings =
+            findings(&ChainConfig::default(), &Report::default(), &Soak::default(), &Asked::default(), false);
+        assert!(findings.contains(&"track: no values, nothing is known of its budget".to_string()), "{findings:?}");
+    }
 }

@@ -52,11 +52,18 @@ impl Written {
 }
 
 impl Budget {
-    /// All percentiles with their limits, µs.
+    /// All percentiles with their limits, µs. A further limit of the same percentile takes the place of the first.
     pub fn limits(&self) -> impl Iterator<Item = (f64, f64)> {
+        let percentile = self.percentile;
+        let same = move |&(other, _): &(f64, f64)| (other - percentile).abs() < 1e-9;
+        let first = self.further().find(same).unwrap_or((percentile, self.limit_us));
+        std::iter::once(first).chain(self.further().filter(move |further| !same(further)))
+    }
+
+    /// The further limits, µs.
+    pub fn further(&self) -> impl Iterator<Item = (f64, f64)> {
         let further = [(50.0, self.p50_us), (90.0, self.p90_us), (99.0, self.p99_us), (99.9, self.p999_us)];
-        let further = further.into_iter().filter_map(|(percentile, limit)| Some((percentile, limit?)));
-        std::iter::once((self.percentile, self.limit_us)).chain(further)
+        further.into_iter().filter_map(|(percentile, limit)| Some((percentile, limit?)))
     }
 }
 
@@ -136,7 +143,7 @@ impl BudgetConfig {
             let valid = budget.percentile > 0.0 && budget.percentile <= 100.0;
             let key = format!("budget.{name}.percentile");
             require(&key, budget.percentile, valid, "a percentile above 0, at most 100")?;
-            for (percentile, limit) in budget.limits().skip(1) {
+            for (percentile, limit) in budget.further() {
                 let key = format!("budget.{name}.p{}_us", percentile.to_string().replace('.', ""));
                 positive(&key, limit)?;
             }
@@ -156,6 +163,8 @@ mod tests {
         let limits: Vec<_> = budget[3].limits().collect();
         assert_eq!(limits, [(99.0, 2000.0), (99.9, 7000.0)]);
         assert_eq!((budget[5].limit_us, budget[5].percentile), (1.0, 99.0));
+        let replaced = config("[track]\np99_us = 7.0").all();
+        assert_eq!(replaced[3].limits().collect::<Vec<_>>(), [(99.0, 7.0)]);
         assert!(toml::from_str::<BudgetConfig>("[track]\np98_us = 1.0").is_err());
     }
 }

@@ -45,6 +45,15 @@ pub enum Speed {
     Max,
 }
 
+impl std::fmt::Display for Speed {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Speed::Times(factor) => write!(formatter, "{factor}×"),
+            Speed::Max => formatter.write_str("max"),
+        }
+    }
+}
+
 impl Serialize for Speed {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {

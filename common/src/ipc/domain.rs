@@ -37,8 +37,8 @@ impl Domain {
             |reason: String| IpcError::Domain { prefix: ipc.prefix.clone(), root: root.display().to_string(), reason };
         set_log_level(LogLevel::Fatal);
         let mut config = Config::default();
-        config.global.prefix = FileName::new(file_prefix.as_bytes())
-            .map_err(|cause| error(format!("prefix refused: {cause:?}")))?;
+        config.global.prefix =
+            FileName::new(file_prefix.as_bytes()).map_err(|cause| error(format!("prefix refused: {cause:?}")))?;
         let root_path = iceoryx2::prelude::Path::new(root.display().to_string().as_bytes())
             .map_err(|cause| error(format!("path refused: {cause:?}")))?;
         config.global.set_root_path(&root_path);
@@ -75,9 +75,10 @@ impl Domain {
     fn file_prefix(ipc: &IpcConfig) -> String {
         let folder = Self::root(ipc);
         // FNV-1a: the same in every process and version.
-        let number = folder.as_os_str().as_encoded_bytes().iter().fold(0xcbf2_9ce4_8422_2325_u64, |number, &byte| {
-            (number ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        });
+        let number =
+            folder.as_os_str().as_encoded_bytes().iter().fold(0xcbf2_9ce4_8422_2325_u64, |number, &byte| {
+                (number ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+            });
         format!("{}.rc_{:08x}_", ipc.prefix, number >> 32)
     }
 
