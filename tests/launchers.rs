@@ -72,3 +72,44 @@ fn of_two_launchers_one_is_refused() {
     }
     assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
 }
+
+#[test]
+fn a_launcher_that_cannot_take_over_leaves_the_stages_alone() {
+    let bench = Bench::new();
+    let port = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let metrics = format!("metrics.listen=\"{}\"", port.local_addr().expect("its address"));
+    let with_metrics = [&ENDLESS[..], &["--set", &metrics]].concat();
+    drop(port);
+    let first = bench.start(&with_metrics);
+    let before = bench.wait_for("scans", |status| pids(status).filter(|_| scan(status) >= Some(3)));
+    first.kill();
+    let address = metrics.trim_start_matches("metrics.listen=").trim_matches('"').to_string();
+    let taken = std::net::TcpListener::bind(&address).expect("the port of the dead launcher");
+    let refused = bench.run(&with_metrics);
+    assert_eq!(refused.status.code(), Some(2), "{}", text_of(&refused));
+    drop(taken);
+    let seen = bench.wait_for("a scan", scan);
+    bench.wait_for("more scans", |status| scan(status).filter(|&now| now >= seen + 2));
+    let second = bench.start(&with_metrics);
+    let launcher = u64::from(second.pid());
+    let adopted = bench.wait_for("the new launcher", |status| {
+        pids(status).filter(|_| number(status, "radar-chain", "pid") == Some(launcher))
+    });
+    assert_eq!(adopted, before);
+    second.stop();
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+}
+
+#[test]
+fn one_prefix_in_two_folders_is_two_chains() {
+    let (bench, other) = (Bench::new(), Bench::new());
+    let first = bench.start(&ENDLESS);
+    let before = bench.wait_for("scans", |status| pids(status).filter(|_| scan(status) >= Some(2)));
+    let second = support::output(other.in_domain_of(&bench).args(["--scans", "4"]));
+    assert_eq!(second.status.code(), Some(0), "{}", text_of(&second));
+    let seen = bench.wait_for("a scan", scan);
+    let after = bench.wait_for("more scans", |status| pids(status).filter(|_| scan(status) >= Some(seen + 2)));
+    assert_eq!(after, before);
+    let output = first.stop();
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output));
+}

@@ -175,3 +175,24 @@ fn look_at(page: &Path, picture: &Path) {
     open(&format!("--screenshot={}", picture.display()));
     assert!(std::fs::metadata(picture).is_ok_and(|file| file.len() > 20_000), "a picture of the page");
 }
+
+#[test]
+fn a_refused_soak_leaves_the_files_of_the_first_alone() {
+    let bench = Bench::new();
+    let out = ["--out", "soak", "--set", "soak.interval_s=0.2"];
+    let mut first = bench.command("soak", &small_config());
+    first.args(out).args(["--scans", "40", "--speed", "4"]).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let first = first.spawn().expect("a soak");
+    bench.wait_for("scans", |status| support::scan(status).filter(|&scan| scan >= 4));
+    let refused = output(bench.command("soak", &small_config()).args(out));
+    assert_eq!(refused.status.code(), Some(2), "{}", text_of(&refused));
+    let ended = first.wait_with_output().expect("its end");
+    let said = text_of(&ended);
+    assert!(said.contains("results in soak"), "{said}");
+    let rows = std::fs::read_to_string(bench.path("soak/resources.csv")).expect("a table");
+    assert!(rows.starts_with("t_s,"), "{rows}");
+    let log = std::fs::read_to_string(bench.path("soak/latency.hlog")).expect("a log");
+    let merged = latency_log::merged(&latency_log::read(&log));
+    let report = bench.report_at("soak/report.json");
+    assert!(merged.named().all(|(name, histogram)| histogram.len() == report.latency_us[name].n));
+}

@@ -3,6 +3,7 @@
 mod support;
 
 use common::recording::Recorded;
+use common::report::Book;
 use support::{Bench, STAGES, pids, scan, signal, text_of};
 
 #[test]
@@ -63,4 +64,43 @@ fn every_stage_comes_back_and_the_loss_is_reported() {
         let reader = common::recording::container::Reader::new(std::io::BufReader::new(file));
         assert!(reader.map_while(Result::ok).count() > 20, "{}", path.display());
     }
+}
+
+#[test]
+fn a_source_that_dies_in_its_last_scan_ends_the_run_and_repeats_nothing() {
+    let bench = Bench::new();
+    // Scans of five seconds: the last one is seen before it is over.
+    let running = bench.start(&["--scans", "3", "--speed", "0.05"]);
+    let stages = bench.wait_for("the last scan", |status| pids(status).filter(|_| scan(status) == Some(2)));
+    signal(stages[0], "KILL");
+    let output = running.end();
+    assert_eq!(output.status.code(), Some(1), "{}", text_of(&output));
+    let report = bench.report();
+    assert!(report.books.iter().all(Book::balances), "{:?}", report.books);
+    assert!(report.messages["plots"] < 24, "{:?}", report.messages);
+    let positions: Vec<u64> = bench
+        .recordings()
+        .iter()
+        .flat_map(|part| common::recording::open(part).expect("a recording"))
+        .filter_map(|message| match message.expect("whole") {
+            Recorded::Plots(header, _) => Some(header.seq),
+            _ => None,
+        })
+        .collect();
+    assert!(positions.is_sorted_by(|a, b| a < b), "{positions:?}");
+}
+
+#[test]
+fn plots_that_a_dead_extractor_never_sent_are_not_the_trackers_loss() {
+    let bench = Bench::new();
+    let running = bench.start(&["--scans", "0", "--speed", "1"]);
+    let before = bench.wait_for("scans", |status| pids(status).filter(|_| scan(status) >= Some(3)));
+    signal(before[1], "KILL");
+    bench.wait_for("the extractor", |status| pids(status).filter(|now| now[1] != before[1]));
+    let seen = bench.wait_for("a scan", scan);
+    bench.wait_for("further scans", |status| scan(status).filter(|&now| now >= seen + 3));
+    running.stop();
+    let report = bench.report();
+    assert_eq!((report.loss["plots"]["tracker"], report.loss["plots"]["recorder"]), (0, 0), "{:?}", report.loss);
+    assert!(report.books.iter().all(Book::balances), "{:?}", report.books);
 }

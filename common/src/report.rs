@@ -127,8 +127,8 @@ pub struct Book {
     pub topic: String,
     /// Name of the consumer.
     pub consumer: String,
-    /// What the recorder could have got: messages that publishers have counted. What a stage could have got: positions
-    /// of the schedule that have passed, those that a killed publisher never sent included.
+    /// Messages that publishers have counted. Of dwells, which nobody counts, positions of the schedule that have passed:
+    /// those that a killed source never sent are among them.
     pub sent: u64,
     /// Messages received, as the consumer counts them.
     pub received: u64,

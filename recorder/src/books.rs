@@ -1,7 +1,7 @@
 //! Books: what was sent, by topic and consumer, from the counts of those who sent it, beside what was received and lost.
 //!
-//! [`crate::losses`] adds up gaps, message by message; here only the last counts of each session matter. The two
-//! know nothing of each other, so `received + lost = sent` holds only if both are right.
+//! [`crate::losses`] adds up gaps, message by message; here only the last counts of each session matter, those that
+//! processes give in their health among them: what a queue dropped after the last message received is known by these alone.
 
 use std::collections::BTreeMap;
 
@@ -11,15 +11,17 @@ use common::report::Book;
 use common::services::{TOPICS, Topic};
 use serde::{Deserialize, Serialize};
 
-use crate::losses::Losses;
+use crate::losses::{Losses, RECORDER};
 
 /// The fold of counts.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Books {
     /// First and last position in the schedule, by topic.
     spans: [Option<(u64, u64)>; TOPICS],
-    /// Results of a stage published, by topic and session of the stage.
+    /// Results of a stage published, by topic and session of the stage, as the last one received says.
     published: [BTreeMap<u64, u64>; TOPICS],
+    /// The same as the stages' health says.
+    announced: [BTreeMap<u64, u64>; TOPICS],
     extractor: Stage,
     tracker: Stage,
 }
@@ -37,7 +39,12 @@ impl Books {
     /// Notes a message; health has no schedule.
     pub(crate) fn take(&mut self, message: RecordedRef<'_>) {
         let topic = message.topic();
-        if topic == Topic::Health {
+        if let RecordedRef::Health(_, reports) = message {
+            for health in reports {
+                let Some(topic) = results_of(health.process()) else { continue };
+                let announced = self.announced[topic as usize].entry(health.session).or_default();
+                *announced = (*announced).max(health.messages_out);
+            }
             return;
         }
         let seq = message.seq();
@@ -53,27 +60,47 @@ impl Books {
         *published = (*published).max(lineage.published_before + 1);
     }
 
+    /// Results that the recorder has missed after the last one of a session that it has received.
+    pub(crate) fn tail(&self, topic: Topic) -> u64 {
+        let seen = |session| self.published[topic as usize].get(session).copied().unwrap_or(0);
+        let announced = &self.announced[topic as usize];
+        announced.iter().map(|(session, &count)| count.saturating_sub(seen(session))).sum()
+    }
+
     /// The books with what `losses` has counted. Schedules of stages begin at `first_dwell` and `first_sector`.
     pub(crate) fn balance(&self, losses: &Losses, first_dwell: u64, first_sector: u64) -> Vec<Book> {
         let lost = losses.lost();
         let mut books = Vec::new();
         let mut enter = |topic: Topic, consumer: &str, sent: u64, received: u64| {
-            let lost = lost.get(topic.name()).and_then(|of| of.get(consumer)).copied().unwrap_or(0);
+            let gaps = lost.get(topic.name()).and_then(|of| of.get(consumer)).copied().unwrap_or(0);
+            let lost = gaps + if consumer == RECORDER { self.tail(topic) } else { 0 };
             books.push(Book { topic: topic.name().into(), consumer: consumer.into(), sent, received, lost });
         };
         if self.extractor.passed > 0 {
             enter(Topic::Dwells, "plot-extractor", self.extractor.passed - first_dwell, self.extractor.taken());
         }
         if self.tracker.passed > 0 {
-            enter(Topic::Plots, "tracker", self.tracker.passed - first_sector, self.tracker.taken());
+            let span = self.spans[Topic::Plots as usize].map_or(0, |(_, last)| (last + 1).saturating_sub(first_sector));
+            let published: u64 = self.published[Topic::Plots as usize].values().sum();
+            let passed = (self.tracker.passed - first_sector).max(span);
+            enter(Topic::Plots, "tracker", passed - span.saturating_sub(published), self.tracker.taken());
         }
         for topic in [Topic::Dwells, Topic::Plots, Topic::Tracks, Topic::Truth] {
             let Some((first, last)) = self.spans[topic as usize] else { continue };
             let published: u64 = self.published[topic as usize].values().sum();
-            let sent = if published > 0 { published } else { last + 1 - first };
-            enter(topic, "recorder", sent, losses.received(topic));
+            let sent = if published > 0 { published + self.tail(topic) } else { last + 1 - first };
+            enter(topic, RECORDER, sent, losses.received(topic));
         }
         books
+    }
+}
+
+/// The topic whose messages a process counts in its health, of those whose results count themselves.
+fn results_of(process: &str) -> Option<Topic> {
+    match process {
+        "plot-extractor" | "plot-source" => Some(Topic::Plots),
+        "tracker" => Some(Topic::Tracks),
+        _ => None,
     }
 }
 

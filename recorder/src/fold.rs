@@ -16,7 +16,7 @@ use common::units::{NS_PER_S, seconds_between};
 
 use crate::books::Books;
 use crate::latencies::Latencies;
-use crate::losses::{Losses, Missing};
+use crate::losses::{Losses, Missing, RECORDER};
 use crate::processes::Processes;
 use crate::scoring::Scoring;
 
@@ -170,7 +170,12 @@ impl Fold {
         let (detection, tracking) = self.scoring.finish();
         let span_s = |span: Option<(u64, u64)>| span.map_or(0.0, |(first, last)| seconds_between(first, last));
         let wall_s = self.wall_ns.map_or(0.0, |(first, last)| (last - first) as f64 / NS_PER_S);
-        let loss = self.losses.lost();
+        let mut loss = self.losses.lost();
+        for topic in [Topic::Plots, Topic::Tracks] {
+            if let Some(lost) = loss.get_mut(topic.name()).and_then(|by| by.get_mut(RECORDER)) {
+                *lost += self.books.tail(topic);
+            }
+        }
         let lossless = self.config.run.mode == Mode::Lossless;
         let whole = loss.values().flat_map(|consumers| consumers.values()).all(|&lost| lost == 0);
         Report {

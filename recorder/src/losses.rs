@@ -5,12 +5,13 @@
 //! results, whatever the recorder missed meanwhile,
 //!
 //! ```text
-//! lost by the stage     = positions passed upstream − messages taken
+//! lost by the stage     = positions passed upstream − messages taken − positions never sent
 //! lost by the recorder  = results published − results received
 //! ```
 //!
 //! Both counts begin anew with a session, and positions at the start of the schedule, so that
-//! also what came before the first result is told. Only where a stage and the recorder were away
+//! also what came before the first result is told. Positions never sent are known of plots, which the recorder gets
+//! itself; those of dwells, after the death of a source, count as lost by the extractor. Only where a stage and the recorder were away
 //! together, what the stage took in its last moments counts as lost by the stage.
 //!
 //! The same counts tell what is missing before a message, live and in a recording, where it has to be
@@ -26,7 +27,7 @@ use common::services::{TOPIC_NAMES, TOPICS, Topic};
 use serde::{Deserialize, Serialize};
 
 /// Name of the consumer that the recorder itself is.
-const RECORDER: &str = "recorder";
+pub(crate) const RECORDER: &str = "recorder";
 /// What was received but could not be written.
 const RECORDING: &str = "recording";
 
@@ -36,6 +37,8 @@ pub(crate) struct Losses {
     streams: [Stream; TOPICS],
     extractor: Lineages,
     tracker: Lineages,
+    /// Positions of plots that nobody has sent: their dwells were lost, or who had them died.
+    plots_never_sent: u64,
     /// Reports of each process: session and next position.
     health: BTreeMap<String, HealthStream>,
 }
@@ -98,6 +101,7 @@ impl Losses {
             streams: [stream(first_dwell), stream(first_sector), stream(first_sector), stream(0), stream(0)],
             extractor: lineages(first_dwell),
             tracker: lineages(first_sector),
+            plots_never_sent: 0,
             health: BTreeMap::new(),
         }
     }
@@ -122,7 +126,11 @@ impl Losses {
         let lost_before = stream.intake.lost;
         let mut missing = count_intake(&mut stream.intake, &mut stream.session, message.session(), message.seq());
         match message {
-            RecordedRef::Plots(header, _) => missing = self.extractor.take(header.session, &header.lineage),
+            RecordedRef::Plots(header, _) => {
+                missing = self.extractor.take(header.session, &header.lineage);
+                let passed = header.seq.saturating_sub(first);
+                self.plots_never_sent += passed.saturating_sub(missing);
+            }
             RecordedRef::Tracks(header, _) => missing = self.tracker.take(header.session, &header.lineage),
             _ => {}
         }
@@ -226,7 +234,11 @@ impl Losses {
             note(Topic::Dwells.name(), "plot-extractor", self.extractor.lost_upstream);
         }
         if self.tracker.has_upstream() {
-            note(Topic::Plots.name(), "tracker", self.tracker.lost_upstream);
+            // Those that came after its last result are lost too.
+            let end = self.streams[Topic::Plots as usize].intake.last_seq + 1;
+            let after = end.saturating_sub(self.tracker.next_seq);
+            let missing = self.tracker.lost_upstream + after;
+            note(Topic::Plots.name(), "tracker", missing.saturating_sub(self.plots_never_sent));
         }
         lost
     }

@@ -23,6 +23,8 @@ pub struct Playback {
     scans: (u32, u32),
     /// The topic that drives the chain.
     driving: Topic,
+    /// There were messages to drive the chain before these scans.
+    passed: bool,
     ready: VecDeque<Recorded>,
 }
 
@@ -42,8 +44,14 @@ impl Playback {
             topics: config.replay.topics.clone(),
             scans: (config.run.first_scan, last),
             driving: config.replay.driving(),
+            passed: false,
             ready: VecDeque::new(),
         })
+    }
+
+    /// Whether the recording has been gone through, but for nothing: a replay that is started again after its last scan.
+    pub(crate) fn has_passed(&self) -> bool {
+        self.passed
     }
 
     /// The next message that was asked for, in the order of the recording.
@@ -57,8 +65,11 @@ impl Playback {
             match messages.next().transpose()? {
                 None => self.messages = None,
                 Some(message) => {
-                    let wanted = self.topics.contains(&message.by_ref().topic());
-                    if wanted && scan(&message).is_some_and(|scan| (self.scans.0..self.scans.1).contains(&scan)) {
+                    let topic = message.by_ref().topic();
+                    self.passed |= topic == self.driving && scan(&message).is_some_and(|scan| scan < self.scans.0);
+                    if self.topics.contains(&topic)
+                        && scan(&message).is_some_and(|scan| (self.scans.0..self.scans.1).contains(&scan))
+                    {
                         return Ok(Some(message));
                     }
                 }

@@ -33,7 +33,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
 /// # Errors
 /// Recording or shared memory.
 pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
-    let playback = Playback::open(chain).map_err(|error| BadInput(error.to_string()))?;
+    let mut playback = Playback::open(chain).map_err(|error| BadInput(error.to_string()))?;
     let refused = realtime::take(chain.realtime.of(NAME));
     let station = Station::enter(NAME, chain)?;
     let ports = Ports::new(&station, chain)?;
@@ -45,7 +45,7 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     let mut pace = Pace::new(chain.run.speed);
     let (mut plots_out, mut tracks_out, mut dwells_taken, mut plots_taken) = (0, 0, 0, 0);
     let driving = chain.replay.driving();
-    for message in playback {
+    for message in playback.by_ref() {
         let mut message = message.map_err(|error| BadInput(format!("{}: {error}", chain.replay.file)))?;
         let (drives, length) = (message.by_ref().topic() == driving, message.by_ref().len());
         if drives {
@@ -95,6 +95,11 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
             ports.linger();
             return Ok(ExitCode::SUCCESS);
         }
+    }
+    if playback.has_passed() {
+        reporter.health.ended = 1;
+        reporter.publish()?;
+        return Ok(ExitCode::SUCCESS);
     }
     Err(BadInput(format!("{} holds no {} of these scans", chain.replay.file, driving.name())).into())
 }

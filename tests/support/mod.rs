@@ -58,6 +58,18 @@ impl Bench {
         process
     }
 
+    /// `radar-chain run` of the small radar in this folder, with the prefix of another bench.
+    pub(crate) fn in_domain_of(&self, other: &Self) -> Command {
+        let mut process = Command::new(env!("CARGO_BIN_EXE_radar-chain"));
+        process
+            .current_dir(self.folder.path())
+            .args(["run", "--ipc-prefix", &other.prefix])
+            .args(["--set", &format!("ipc.root='{}'", self.folder.path().display()), "--config"])
+            .arg(small_config())
+            .stdin(Stdio::null());
+        process
+    }
+
     /// Runs the small radar to its end.
     pub(crate) fn run(&self, arguments: &[&str]) -> Output {
         let mut process = self.command("run", &small_config());
