@@ -40,7 +40,7 @@ fn too_small_at_the_start_is_one_line() {
 #[test]
 fn filled_by_others_it_stops_nothing() {
     let bench = Bench::new();
-    // Full to the last page while the chain runs; then a stage is killed and has to come back without any room to spare.
+    // Full to the last page while the chain runs: what it needs was reserved at its start.
     let script = format!(
         r#"
         {RUN} --scans 40 2>err & chain=$!
