@@ -4,7 +4,7 @@
 //! estimate       a figure with its interval       quantile       normal, Student, χ², beta
 //! proportion     Wilson                           mean           Student; moments of a stream
 //! poisson        counts and rates                 bootstrap      anything else: ratios, rms
-//! simultaneous   several figures at once          contrast       difference and sum of two figures
+//! simultaneous   several figures at once          contrast       difference, sum, ratio of two
 //! rms            root mean square errors          consistency    NEES, NIS and their χ² region
 //! assignment     the cheapest pairing             ospa, gospa    distance of two sets of states
 //! track_loss     out of bounds for some scans     initiation     scans until a target is followed
