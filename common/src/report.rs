@@ -228,6 +228,9 @@ pub struct Tracking {
     pub confirmed: Option<u64>,
     /// Confirmed tracks that were never near a target.
     pub false_tracks: Option<u64>,
+    /// Confirmed tracks that were, in some scan, near targets which all had other tracks: duplicates. They are not among the
+    /// false ones.
+    pub redundant_tracks: Option<u64>,
     /// How often a visible target's track was lost.
     pub lost: Option<u64>,
     /// Root mean square error of position of confirmed tracks, m.
@@ -240,6 +243,13 @@ pub struct Tracking {
     pub nees_position: Option<f64>,
     /// Mean GOSPA distance per scan, m.
     pub gospa_m: Option<f64>,
+    /// Mean part of the distances of targets and their tracks in GOSPA, m. Its square and those of the two below add up to that of the
+    /// distance (for p = 2) in each scan, not in the mean.
+    pub gospa_localisation_m: Option<f64>,
+    /// Mean part of the targets without a track in GOSPA, m.
+    pub gospa_missed_m: Option<f64>,
+    /// Mean part of the tracks without a target in GOSPA, duplicates among them, m.
+    pub gospa_false_m: Option<f64>,
     /// Cut-off distance c and order p of GOSPA.
     pub gospa_parameters: Option<[f64; 2]>,
     /// Mean probability that the tracks give to the true mode of motion, by mode.
@@ -260,6 +270,10 @@ pub struct Tracking {
     pub id_changes: Option<u64>,
     /// Confirmed tracks that were never near a target, per hour of truth.
     pub false_tracks_per_hour: Option<f64>,
+    /// 95 % interval of `false_tracks_per_hour`, that of the Poisson distribution.
+    pub false_tracks_per_hour_interval: Option<[f64; 2]>,
+    /// Duplicates per hour of truth; not in `false_tracks_per_hour`.
+    pub redundant_tracks_per_hour: Option<f64>,
     /// Hours of truth.
     pub truth_hours: Option<f64>,
 }
@@ -448,12 +462,19 @@ impl Tracking {
         }
         lines.whole("tracks lost", self.lost)?;
         lines.whole("false tracks", self.false_tracks)?;
-        lines.number("false tracks per hour", self.false_tracks_per_hour, "")?;
+        lines.whole("redundant tracks", self.redundant_tracks)?;
+        if let (Some(rate), Some([low, high])) = (self.false_tracks_per_hour, self.false_tracks_per_hour_interval) {
+            lines.text("false tracks per hour", &format!("{rate:.2} [{low:.2}, {high:.2}]"))?;
+        }
+        lines.number("redundant tracks per hour", self.redundant_tracks_per_hour, "")?;
         lines.number("position error (rms)", self.position_rmse_m, "m")?;
         lines.number("velocity error (rms)", self.velocity_rmse_mps, "m/s")?;
         lines.number("NEES (position, velocity)", self.nees, "")?;
         lines.number("NEES (position)", self.nees_position, "")?;
         lines.number("GOSPA", self.gospa_m, "m")?;
+        lines.number("  of distances", self.gospa_localisation_m, "m")?;
+        lines.number("  of missed targets", self.gospa_missed_m, "m")?;
+        lines.number("  of false tracks", self.gospa_false_m, "m")?;
         for (mode, probability) in &self.mode_probability {
             lines.share(&format!("true mode: {mode}"), Some(*probability))?;
         }

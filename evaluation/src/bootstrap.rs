@@ -2,7 +2,8 @@
 
 use rand::{Rng, RngExt};
 
-use crate::Estimate;
+use crate::proportion::wilson;
+use crate::{Estimate, contrast};
 
 /// Percentile interval by the bootstrap.
 ///
@@ -48,6 +49,21 @@ pub fn ratio(pairs: &[[f64; 2]], resamples: usize, level: f64, rng: &mut impl Rn
         let sums = drawn.iter().fold([0.0; 2], |sums, pair| [sums[0] + pair[0], sums[1] + pair[1]]);
         sums[0] / sums[1]
     })
+}
+
+/// Ratio Σa/Σb of how often two things happened in the same runs, [a, b] a run.
+///
+/// Where resampling leaves no scatter, as a never happened or both always did, it would say that nothing else can be: there the
+/// interval is that of [`contrast::ratio`] from Wilson's, which takes the two as independent and is wider than need be.
+pub fn ratio_of_shares(pairs: &[[bool; 2]], resamples: usize, level: f64, rng: &mut impl Rng) -> Estimate {
+    let numbers: Vec<[f64; 2]> = pairs.iter().map(|pair| pair.map(|happened| f64::from(u8::from(happened)))).collect();
+    let found = ratio(&numbers, resamples, level, rng);
+    if pairs.is_empty() || found.lo < found.hi {
+        return found;
+    }
+    let n = pairs.len() as u64;
+    let share = |which: usize| wilson(pairs.iter().filter(|pair| pair[which]).count() as u64, n, level);
+    contrast::ratio(&share(0), &share(1))
 }
 
 /// Value below which the share `p` of sorted values lies, linear between neighbours.
@@ -118,5 +134,17 @@ mod tests {
         assert!(ratio(&[], 500, 0.95, &mut rng()).value.is_nan());
         let without_end = ratio(&[[1.0, 0.0], [1.0, 1.0], [1.0, 0.0]], 500, 0.95, &mut rng());
         assert!(without_end.lo >= 1.0 && without_end.hi == f64::INFINITY, "{without_end:?}");
+    }
+
+    #[test]
+    fn what_never_happened_may_happen() {
+        let runs = |a: usize, b: usize| -> Vec<[bool; 2]> { (0..200).map(|run| [run < a, run < b]).collect() };
+        let never = ratio_of_shares(&runs(0, 100), 500, 0.95, &mut rng());
+        assert!(never.value == 0.0 && never.lo == 0.0 && (0.02..0.06).contains(&never.hi), "{never:?}");
+        let always = ratio_of_shares(&runs(200, 200), 500, 0.95, &mut rng());
+        assert!(always.lo < 1.0 && always.hi > 1.0, "{always:?}");
+        let some = ratio_of_shares(&runs(50, 100), 500, 0.95, &mut rng());
+        assert_relative_eq!(some.value, 0.5);
+        assert!((0.35..0.5).contains(&some.lo) && (0.5..0.65).contains(&some.hi), "{some:?}");
     }
 }

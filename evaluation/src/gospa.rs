@@ -1,6 +1,7 @@
 //! Generalised optimal sub-pattern assignment: localisation, missed and false targets in one distance.
 
 use crate::assignment::cheapest;
+use crate::mean::Moments;
 
 /// GOSPA with its parts, all in the unit of the distances. The p-th powers of the parts add up to that of the distance.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -17,6 +18,29 @@ pub struct Gospa {
     pub missed_targets: usize,
     /// Tracks without a target.
     pub false_tracks: usize,
+}
+
+/// The means of the distance and its parts over scans. The powers of the parts add up in each scan, not in the mean.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MeanGospa {
+    /// Of the metric.
+    pub distance: Moments,
+    /// Of the part of the pairs.
+    pub localisation: Moments,
+    /// Of the part of targets without a track.
+    pub missed: Moments,
+    /// Of the part of tracks without a target.
+    pub spurious: Moments,
+}
+
+impl MeanGospa {
+    /// Takes a scan.
+    pub fn add(&mut self, scan: &Gospa) {
+        self.distance.add(scan.distance);
+        self.localisation.add(scan.localisation);
+        self.missed.add(scan.missed);
+        self.spurious.add(scan.spurious);
+    }
 }
 
 /// Generalised optimal sub-pattern assignment distance with α = 2:

@@ -89,7 +89,7 @@ pub fn mean(samples: impl IntoIterator<Item = f64>, level: f64) -> Estimate {
 }
 
 /// The interval of a mean of `n` samples whose standard error is known.
-pub fn with_standard_error(value: f64, standard_error: f64, n: u64, level: f64) -> Estimate {
+fn with_standard_error(value: f64, standard_error: f64, n: u64, level: f64) -> Estimate {
     if n < 2 {
         return Estimate { value, lo: f64::NEG_INFINITY, hi: f64::INFINITY, n };
     }

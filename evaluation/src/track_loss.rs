@@ -9,6 +9,32 @@ pub struct Loss {
     pub noticed: usize,
 }
 
+/// Counts scans in a row out of bounds, as they come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Watch {
+    scans: usize,
+    seen: usize,
+    outside: usize,
+}
+
+impl Watch {
+    /// `scans` scans in a row lose a track.
+    ///
+    /// # Panics
+    /// If `scans` is 0.
+    pub fn new(scans: usize) -> Self {
+        assert!(scans > 0, "a run has at least one scan");
+        Self { scans, seen: 0, outside: 0 }
+    }
+
+    /// Takes a scan; the loss in the scan that completes it. A run that goes on is not lost again.
+    pub fn see(&mut self, inside: bool) -> Option<Loss> {
+        self.seen += 1;
+        self.outside = if inside { 0 } else { self.outside + 1 };
+        (self.outside == self.scans).then(|| Loss { began: self.seen - self.scans, noticed: self.seen - 1 })
+    }
+}
+
 /// The first `scans` scans in a row in which the error exceeds `bound`; `None` if the track is kept to the end.
 ///
 /// `errors` has one value a scan, in the unit of `bound`; NaN, where there is no track at all, counts as out of bounds.
@@ -18,15 +44,8 @@ pub struct Loss {
 /// # Panics
 /// If `scans` is 0.
 pub fn first(errors: impl IntoIterator<Item = f64>, bound: f64, scans: usize) -> Option<Loss> {
-    assert!(scans > 0, "a run has at least one scan");
-    let mut outside = 0;
-    for (scan, error) in errors.into_iter().enumerate() {
-        outside = if error <= bound { 0 } else { outside + 1 };
-        if outside == scans {
-            return Some(Loss { began: scan + 1 - scans, noticed: scan });
-        }
-    }
-    None
+    let mut watch = Watch::new(scans);
+    errors.into_iter().find_map(|error| watch.see(error <= bound))
 }
 
 #[cfg(test)]

@@ -2,19 +2,20 @@
 
 use std::fs;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Parser;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use experiments::catalogue::{ALL, EXPERIMENTS, named};
-use experiments::{Options, Progress, results, table};
+use experiments::{Options, Progress, page, results, table};
 
 const EXAMPLES: &str = "\
 Examples:
   experiments cfar                                    table on standard output
   experiments initiation --runs 200 --seed 7          more or fewer runs, other draws
   experiments plot-accuracy --json plots.json --figures figures
+  experiments crossing --page docs/results.md         run it again and renew its tables in the page
   experiments all --quick                             whether everything works, in seconds
 
 The same seed and number of runs give the same figures on any machine and number of threads.";
@@ -41,12 +42,20 @@ struct Args {
     /// Write figures as SVG into this directory
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
+    /// Renew the tables of these experiments in this Markdown page
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
     /// Few runs of few cases
     #[arg(long)]
     quick: bool,
     /// accuracy: through cells and the plot extractor instead of drawn plots
     #[arg(long)]
     cells: bool,
+}
+
+fn renew(file: &Path, blocks: &[page::Block]) -> anyhow::Result<()> {
+    let renewed = page::renew(&fs::read_to_string(file)?, blocks)?;
+    Ok(fs::write(file, renewed)?)
 }
 
 fn names() -> PossibleValuesParser {
@@ -76,6 +85,9 @@ fn main() -> anyhow::Result<()> {
                 fs::write(&file, figure.to_svg()?).with_context(|| format!("writing {}", file.display()))?;
                 println!("{}", file.display());
             }
+        }
+        if let Some(file) = &args.page {
+            renew(file, &outcome.blocks).with_context(|| format!("renewing {}", file.display()))?;
         }
         all.push((experiment.name, outcome));
     }

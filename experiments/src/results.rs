@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::figures::Figure;
+use crate::page::Block;
 use crate::{Options, Row};
 
 /// The outcome of one experiment.
@@ -14,6 +15,8 @@ pub struct Results {
     pub rows: Vec<Row>,
     /// Pictures of them.
     pub figures: Vec<Figure>,
+    /// Pieces of `docs/results.md`.
+    pub blocks: Vec<Block>,
     /// What a reader must know beside the figures, a sentence each: references that are not met, and why.
     pub remarks: Vec<String>,
 }

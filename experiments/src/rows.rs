@@ -1,6 +1,8 @@
 //! One measured figure: of which case, how sure, and what it should be.
 
 use evaluation::Estimate;
+use evaluation::gospa::MeanGospa;
+use evaluation::mean::Moments;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
@@ -99,6 +101,23 @@ impl Row {
     /// Events per hour, with the exact Poisson interval.
     pub fn per_hour(case: &Case, metric: &'static str, events: u64, seconds: f64) -> Self {
         Self::new(case, metric, evaluation::poisson::per_hour(events, seconds, LEVEL))
+    }
+
+    /// The means of GOSPA and its parts over runs, of each of which they are the means over scans.
+    pub fn gospa(case: &Case, runs: &[&MeanGospa]) -> [Self; 4] {
+        let mean =
+            |metric, of: fn(&MeanGospa) -> &Moments| Self::mean(case, metric, runs.iter().map(|run| of(run).mean()));
+        [
+            mean("gospa_m", |run| &run.distance),
+            mean("gospa_localisation_m", |run| &run.localisation),
+            mean("gospa_missed_m", |run| &run.missed),
+            mean("gospa_false_m", |run| &run.spurious),
+        ]
+    }
+
+    /// The figure with its interval.
+    pub fn estimate(&self) -> Estimate {
+        Estimate { value: self.value, lo: self.lo, hi: self.hi, n: self.n }
     }
 
     /// The same row with the value it should have, and where that comes from.

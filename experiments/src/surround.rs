@@ -19,7 +19,7 @@ use tracker::imm::Imm;
 use tracker::measurement::{COORDINATES, Expected, Measurement};
 use tracker::motion::{MANOEUVRE, MODES};
 
-use crate::world::{plot, radar};
+use crate::world::{offset, plot, radar};
 
 /// A box in (r, β, ε, ṙ).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,11 +60,6 @@ impl Region {
     pub fn cells(&self, radar: &Radar) -> f64 {
         (0..COORDINATES).map(|i| 2.0 * self.half[i] / radar.cell[i]).product()
     }
-}
-
-/// Difference on an axis; that of azimuths is wrapped.
-fn offset(a: f64, b: f64, axis: usize) -> f64 {
-    if axis == 1 { angle::difference(a, b) } else { a - b }
 }
 
 /// The three gates of a prediction.

@@ -39,6 +39,9 @@ impl Segment {
     /// The whole run.
     pub const ALL: Self = Self::new("all", 1, SCANS);
 
+    /// The scans in which a track has been confirmed long since, from the first manoeuvre of B on.
+    pub const SETTLED: Self = Self::new("settled", 10, SCANS);
+
     const fn new(name: &'static str, first: u32, last: u32) -> Self {
         Self { name, first, last }
     }

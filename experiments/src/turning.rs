@@ -1,146 +1,120 @@
-//! A radar that turns without cells: one true target in, `plots` messages out, for experiments on tracking alone.
+//! A radar that turns without cells: targets' plots and false plots in, `plots` messages out, for experiments on whole trackers.
 //!
 //! Detection and decision statistics follow (C4) with known noise; errors of plots are normal with the standard errors
-//! that they state. False plots are a Poisson process of F per cell over a sector that goes with the target.
+//! that they state. False plots are a Poisson process of F per cell over a volume.
 
 use std::f64::consts::TAU;
 
 use common::amplitude::Detector;
 use common::angle;
-use common::config::Swerling;
-use common::geometry::{Polar, range_rate_mps};
+use common::geometry::Polar;
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot, PlotsHeader};
-use common::random::{Purpose, generator};
-use common::units::{NS_PER_S, from_db};
-use nalgebra::Vector3;
-use radar_sim::fluctuation;
+use common::units::NS_PER_S;
+use radar_sim::motion::Segments;
 use rand::{Rng, RngExt};
-use rand_distr::{Distribution, Exp1, Poisson, StandardNormal};
+use rand_distr::{Distribution, Exp1, Poisson};
+use tracker::measurement::COORDINATES;
+
+use crate::world::{Conditions, place, power, scattered};
 
 /// Start of measurement time, ns.
-const EPOCH_NS: u64 = 1_700_000_000_000_000_000;
+pub const EPOCH_NS: u64 = 1_700_000_000_000_000_000;
 /// Time of a turn, s.
 pub const PERIOD_S: f64 = 1.0;
 /// Messages in a turn.
 const SECTORS: u32 = 32;
 /// Cells of \[L22\] (C1): range, azimuth, elevation, range rate.
-const CELL: [f64; 4] = [69.3, 0.006_04, 0.006_04, 34.6];
-/// Standard errors of plots: half of those of a single cell (C1), as interpolation has them at 15 dB.
-const SIGMA: [f64; 4] = [10.0, 0.000_87, 0.000_87, 5.0];
-/// The volume with false plots: first range, cells in range, azimuth, elevation and range rate.
-const FIRST_RANGE_M: f64 = 200.0;
-const VOLUME: [u32; 4] = [70, 130, 8, 6];
+pub const CELL: [f64; COORDINATES] = [69.3, 0.006_04, 0.006_04, 34.6];
 
-/// Cells that are looked at in a turn: 70 in range (4.85 km), 130 in azimuth (45°), 8 in elevation (2.8°), 6 in range rate.
-pub const CELLS: u32 = VOLUME[0] * VOLUME[1] * VOLUME[2] * VOLUME[3];
-
-/// A target that moves straight, from a turn on.
+/// Where there are false plots.
 #[derive(Debug, Clone, Copy)]
-pub struct Target {
-    /// At the start of turn `first_scan`, east, north, up; m.
-    pub position_m: Vector3<f64>,
-    /// m/s.
-    pub velocity_mps: Vector3<f64>,
-    /// First turn in which it is there.
-    pub first_scan: u32,
+pub struct Volume {
+    /// Its middle: range, azimuth, elevation, range rate.
+    pub middle: [f64; COORDINATES],
+    /// Cells on each axis.
+    pub cells: [u32; COORDINATES],
 }
 
-impl Target {
-    /// A target at a random place in the volume, away from north and the edges, at 10…40 m/s in a random direction.
-    pub fn somewhere(first_scan: u32, rng: &mut impl Rng) -> Self {
-        let place = Polar {
-            range_m: rng.random_range(1000.0..4000.0),
-            azimuth_rad: rng.random_range(1.0..5.2),
-            elevation_rad: 0.5 * f64::from(VOLUME[2]) * CELL[2],
-        };
-        let (speed, course) = (rng.random_range(10.0..40.0), rng.random_range(0.0..TAU));
-        let velocity_mps = Vector3::new(speed * course.sin(), speed * course.cos(), 0.0);
-        Self { position_m: place.to_enu(), velocity_mps, first_scan }
+impl Volume {
+    /// Cells in all.
+    pub fn size(&self) -> f64 {
+        self.cells.iter().copied().map(f64::from).product()
     }
 
-    /// Position at a time after the start of the first turn, s.
-    fn at(&self, time_s: f64) -> Vector3<f64> {
-        self.position_m + self.velocity_mps * (time_s - f64::from(self.first_scan) * PERIOD_S)
-    }
-
-    /// Position at a measurement time.
-    pub fn position_at(&self, time_ns: u64) -> Vector3<f64> {
-        self.at((time_ns as f64 - EPOCH_NS as f64) / NS_PER_S)
-    }
-
-    /// When the beam passes it in `scan`, s.
-    fn passage_s(&self, scan: u32) -> f64 {
-        let start_s = f64::from(scan) * PERIOD_S;
-        // The beam is far faster than the target: each step gains more than a digit.
-        (0..5).fold(start_s + 0.5 * PERIOD_S, |time_s, _| {
-            start_s + Polar::from_enu(&self.at(time_s)).azimuth_rad / TAU * PERIOD_S
-        })
+    fn somewhere(&self, rng: &mut impl Rng) -> [f64; COORDINATES] {
+        let [range, azimuth, elevation, rate] =
+            std::array::from_fn(|i| self.middle[i] + CELL[i] * f64::from(self.cells[i]) * (rng.random::<f64>() - 0.5));
+        [range.max(1.0), angle::wrap(azimuth), elevation, rate]
     }
 }
 
-/// Number of the turn of a measurement time.
-pub fn scan_of(time_ns: u64) -> u32 {
-    (time_ns.saturating_sub(EPOCH_NS) as f64 / NS_PER_S / PERIOD_S) as u32
-}
+/// The messages of a turn with the plots that lie in each of them.
+pub type Turn = Vec<(PlotsHeader, Vec<Plot>)>;
 
-/// What the radar and its target are like.
+/// What the radar's plots are like.
 #[derive(Debug, Clone, Copy)]
 pub struct Turning {
-    /// Seed of all draws.
-    pub seed: u64,
-    /// Number of the run.
-    pub run: u32,
     /// F per cell.
     pub pfa: f64,
-    /// Kind of target.
-    pub swerling: Swerling,
-    /// Its mean signal-to-noise ratio, dB.
-    pub snr_db: f64,
+    /// Standard errors of plots, which they state: range, azimuth, elevation, range rate.
+    pub sigma: [f64; COORDINATES],
 }
 
 impl Turning {
-    /// The messages of `scans` turns.
+    /// The plot of a target in turn `scan`, if it is detected.
+    pub fn target(&self, scan: u32, motion: &Segments, conditions: &Conditions, rng: &mut impl Rng) -> Option<Plot> {
+        let time_s = passage_s(scan, motion);
+        let power = power(conditions, rng);
+        let polar = scattered(&place(&motion.at(time_s)), &self.sigma, rng);
+        (power > conditions.detector().threshold).then(|| self.plot(time_s, &polar, power))
+    }
+
+    /// Appends the false plots of turn `scan`.
     ///
     /// # Panics
     /// Unless F lies between 0 and 1, both excluded.
-    pub fn messages(&self, target: &Target, scans: u32) -> Vec<(PlotsHeader, Vec<Plot>)> {
-        let detector = Detector::new(self.pfa, 0);
-        let false_plots = Poisson::new(self.pfa * f64::from(CELLS)).expect("a positive number of false plots");
-        let mut all: Vec<(PlotsHeader, Vec<Plot>)> =
-            (0..scans).flat_map(|scan| (0..SECTORS).map(move |sector| (self.header(scan, sector), vec![]))).collect();
-        for scan in 0..scans {
-            let mut rng = generator(self.seed, Purpose::Measurement, self.run, scan);
-            if scan >= target.first_scan {
-                let time_s = target.passage_s(scan);
-                let q = self.target_power(scan, &mut rng);
-                if q > detector.threshold {
-                    let position = target.at(time_s);
-                    let rate = range_rate_mps(&position, &target.velocity_mps);
-                    let plot = measured(time_s, &Polar::from_enu(&position), rate, q, &mut rng);
-                    into_sector(&mut all, scan, plot);
-                }
-            }
-            let middle_rad = Polar::from_enu(&target.at(target.passage_s(scan))).azimuth_rad;
-            let count: f64 = false_plots.sample(&mut rng);
-            for _ in 0..count as u64 {
-                let (place, rate) = somewhere(middle_rad, &mut rng);
-                let excess: f64 = Exp1.sample(&mut rng);
-                let time_s = (f64::from(scan) + place.azimuth_rad / TAU) * PERIOD_S;
-                into_sector(&mut all, scan, measured(time_s, &place, rate, detector.threshold + excess, &mut rng));
-            }
+    pub fn false_plots(&self, scan: u32, volume: &Volume, rng: &mut impl Rng, plots: &mut Vec<Plot>) {
+        let threshold = Detector::new(self.pfa, 0).threshold;
+        let number = Poisson::new(self.pfa * volume.size()).expect("a positive number of false plots").sample(rng);
+        for _ in 0..number as u64 {
+            let polar = volume.somewhere(rng);
+            let excess: f64 = Exp1.sample(rng);
+            let time_s = (f64::from(scan) + polar[1] / TAU) * PERIOD_S;
+            plots.push(self.plot(time_s, &polar, threshold + excess));
         }
-        if let Some((header, _)) = all.last_mut() {
+    }
+
+    /// A plot at a place.
+    pub fn plot(&self, time_s: f64, polar: &[f64; COORDINATES], power: f64) -> Plot {
+        Plot {
+            time_ns: EPOCH_NS + (time_s * NS_PER_S) as u64,
+            range_m: polar[0],
+            azimuth_rad: polar[1],
+            elevation_rad: polar[2],
+            range_rate_mps: polar[3],
+            sigma_range_m: self.sigma[0] as f32,
+            sigma_azimuth_rad: self.sigma[1] as f32,
+            sigma_elevation_rad: self.sigma[2] as f32,
+            sigma_range_rate_mps: self.sigma[3] as f32,
+            statistic: power.sqrt() as f32,
+            cell_count: 1,
+            flags: HAS_ELEVATION | HAS_RANGE_RATE | HAS_STATISTIC,
+            ..Plot::default()
+        }
+    }
+
+    /// The messages of turn `scan`, `ends` if no other follows.
+    pub fn messages(&self, scan: u32, ends: bool, plots: &[Plot]) -> Turn {
+        let mut all: Turn = (0..SECTORS).map(|sector| (self.header(scan, sector), Vec::new())).collect();
+        for plot in plots {
+            let sector = ((plot.azimuth_rad / TAU * f64::from(SECTORS)) as u32).min(SECTORS - 1);
+            all[sector as usize].1.push(*plot);
+        }
+        if let Some((header, _)) = all.last_mut().filter(|_| ends) {
             header.flags |= END_OF_STREAM;
         }
         all
-    }
-
-    /// |s + n|² of a cell with the target (C2).
-    fn target_power(&self, scan: u32, rng: &mut impl Rng) -> f64 {
-        let power = from_db(self.snr_db) * fluctuation::power(self.swerling, self.seed, scan, self.run);
-        let mut noise = || std::f64::consts::FRAC_1_SQRT_2 * normal(rng);
-        (power.sqrt() + noise()).powi(2) + noise().powi(2)
     }
 
     fn header(&self, scan: u32, sector: u32) -> PlotsHeader {
@@ -167,71 +141,60 @@ impl Turning {
     }
 }
 
-/// A place in the volume, and a range rate.
-fn somewhere(middle_rad: f64, rng: &mut impl Rng) -> (Polar, f64) {
-    let [ranges, azimuths, elevations, rates] = VOLUME.map(f64::from);
-    let place = Polar {
-        range_m: FIRST_RANGE_M + CELL[0] * ranges * rng.random::<f64>(),
-        azimuth_rad: angle::wrap(middle_rad + CELL[1] * azimuths * (rng.random::<f64>() - 0.5)),
-        elevation_rad: CELL[2] * elevations * rng.random::<f64>(),
-    };
-    (place, CELL[3] * rates * (rng.random::<f64>() - 0.5))
+/// When the beam passes a target in turn `scan`, s; for targets away from north.
+pub fn passage_s(scan: u32, motion: &Segments) -> f64 {
+    let start_s = f64::from(scan) * PERIOD_S;
+    // The beam is far faster than the target: each step gains more than a digit.
+    (0..5).fold(start_s + 0.5 * PERIOD_S, |time_s, _| {
+        start_s + Polar::from_enu(&motion.at(time_s).position_m).azimuth_rad / TAU * PERIOD_S
+    })
 }
 
-/// The plot of something at a place, with errors.
-fn measured(time_s: f64, place: &Polar, rate_mps: f64, q: f64, rng: &mut impl Rng) -> Plot {
-    let mut error = |axis: usize| SIGMA[axis] * normal(rng);
-    Plot {
-        time_ns: EPOCH_NS + (time_s * NS_PER_S) as u64,
-        range_m: (place.range_m + error(0)).max(1.0),
-        azimuth_rad: angle::wrap(place.azimuth_rad + error(1)),
-        elevation_rad: place.elevation_rad + error(2),
-        range_rate_mps: rate_mps + error(3),
-        sigma_range_m: SIGMA[0] as f32,
-        sigma_azimuth_rad: SIGMA[1] as f32,
-        sigma_elevation_rad: SIGMA[2] as f32,
-        sigma_range_rate_mps: SIGMA[3] as f32,
-        statistic: q.sqrt() as f32,
-        cell_count: 1,
-        flags: HAS_ELEVATION | HAS_RANGE_RATE | HAS_STATISTIC,
-        ..Plot::default()
-    }
-}
-
-/// Into the message of its azimuth.
-fn into_sector(all: &mut [(PlotsHeader, Vec<Plot>)], scan: u32, plot: Plot) {
-    let sector = ((plot.azimuth_rad / TAU * f64::from(SECTORS)) as u32).min(SECTORS - 1);
-    all[(scan * SECTORS + sector) as usize].1.push(plot);
-}
-
-fn normal(rng: &mut impl Rng) -> f64 {
-    StandardNormal.sample(rng)
+/// A measurement time since the start of the first turn, s.
+pub fn seconds(time_ns: u64) -> f64 {
+    time_ns.saturating_sub(EPOCH_NS) as f64 / NS_PER_S
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::random::{Purpose, generator};
+    use common::units::from_db;
+    use nalgebra::Vector3;
 
-    /// Detections and false plots of 200 runs are as many as (C4) and F say, within five standard errors.
+    const RADAR: Turning = Turning { pfa: 1e-4, sigma: [10.0, 0.000_87, 0.000_87, 5.0] };
+
+    /// Detections and false plots of 2000 turns are as many as (C4) and F say, within five standard errors; all lie in the message
+    /// of their azimuth and time.
     #[test]
-    fn plots_are_as_many_as_they_should_be() {
-        let (scans, runs, pfa) = (10, 200, 1e-4);
+    fn plots_are_as_many_and_where_they_should_be() {
+        let turns = 2000;
+        let volume = Volume { middle: [1500.0, 2.0, 0.1, 0.0], cells: [30, 100, 8, 6] };
+        let motion = Segments::straight(Vector3::new(1500.0, -800.0, 100.0), Vector3::new(-0.5, 0.2, 0.0));
         for swerling in crate::fluctuation::ALL {
+            let conditions = Conditions { pfa: RADAR.pfa, reference_cells: 0, snr_db: 12.0, swerling };
             let (mut detected, mut false_plots) = (0.0, 0.0);
-            for run in 0..runs {
-                let radar = Turning { seed: 5, run, pfa, swerling, snr_db: 12.0 };
-                let target = Target::somewhere(0, &mut generator(5, Purpose::Trajectory, run, 0));
-                for plot in radar.messages(&target, scans).iter().flat_map(|(_, plots)| plots) {
-                    let error = Polar::from_enu(&target.position_at(plot.time_ns)).range_m - plot.range_m;
-                    let azimuth = Polar::from_enu(&target.position_at(plot.time_ns)).azimuth_rad;
-                    let of_target = error.abs() < 60.0 && angle::difference(azimuth, plot.azimuth_rad).abs() < 0.006;
-                    *(if of_target { &mut detected } else { &mut false_plots }) += 1.0;
+            for scan in 0..turns {
+                let mut rng = generator(5, Purpose::Test, scan, 0);
+                let mut plots: Vec<Plot> = RADAR.target(scan, &motion, &conditions, &mut rng).into_iter().collect();
+                detected += plots.len() as f64;
+                false_plots -= plots.len() as f64;
+                RADAR.false_plots(scan, &volume, &mut rng, &mut plots);
+                for (header, plots) in RADAR.messages(scan, false, &plots) {
+                    false_plots += plots.len() as f64;
+                    for plot in &plots {
+                        let covered = header.covered_from_rad..header.covered_to_rad;
+                        assert!(
+                            covered.contains(&plot.azimuth_rad) && seconds(plot.time_ns) as u32 == scan,
+                            "{plot:?}"
+                        );
+                    }
                 }
             }
-            let trials = f64::from(scans * runs);
-            let pd = Detector::new(pfa, 0).target(swerling, from_db(12.0)).detection_probability;
+            let trials = f64::from(turns);
+            let pd = Detector::new(RADAR.pfa, 0).target(swerling, from_db(12.0)).detection_probability;
             assert!((detected / trials - pd).abs() < 5.0 * (pd * (1.0 - pd) / trials).sqrt() + 2e-3, "{detected} {pd}");
-            let expected = trials * pfa * f64::from(CELLS);
+            let expected = trials * RADAR.pfa * volume.size();
             assert!((false_plots - expected).abs() < 5.0 * expected.sqrt(), "{false_plots} of {expected}");
         }
     }

@@ -98,20 +98,29 @@ pub fn mode_before(motion: &Segments, time_s: f64) -> usize {
 
 /// One measurement of a target.
 pub(crate) fn measure(truth: &Kinematics, conditions: &Conditions, rng: &mut impl Rng) -> Measurement {
+    plot(scattered(&place(truth), &SIGMA, rng), power(conditions, rng))
+}
+
+/// Where the radar would see a target without errors: r, β, ε, ṙ.
+pub(crate) fn place(truth: &Kinematics) -> [f64; COORDINATES] {
     let place = Polar::from_enu(&truth.position_m);
     let rate = range_rate_mps(&truth.position_m, &truth.velocity_mps);
+    [place.range_m, place.azimuth_rad, place.elevation_rad, rate]
+}
+
+/// A place with normal errors of these standard deviations.
+pub(crate) fn scattered(
+    place: &[f64; COORDINATES],
+    sigma: &[f64; COORDINATES],
+    rng: &mut impl Rng,
+) -> [f64; COORDINATES] {
     let mut normal = |sigma: f64| sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, rng);
-    let polar = [
-        (place.range_m + normal(SIGMA[0])).max(1.0),
-        angle::wrap(place.azimuth_rad + normal(SIGMA[1])),
-        place.elevation_rad + normal(SIGMA[2]),
-        rate + normal(SIGMA[3]),
-    ];
-    plot(polar, power(conditions, rng))
+    let [range, azimuth, elevation, rate] = std::array::from_fn(|i| place[i] + normal(sigma[i]));
+    [range.max(1.0), angle::wrap(azimuth), elevation, rate]
 }
 
 /// q/q̄ of a target: |s + n|² with unit noise power, over the mean of N reference cells if there are any.
-fn power(conditions: &Conditions, rng: &mut impl Rng) -> f64 {
+pub(crate) fn power(conditions: &Conditions, rng: &mut impl Rng) -> f64 {
     let mut exponential = || <Exp1 as Distribution<f64>>::sample(&Exp1, rng);
     let snr = from_db(conditions.snr_db);
     let signal = match conditions.swerling {
@@ -140,6 +149,11 @@ pub fn plot(polar: [f64; COORDINATES], power: f64) -> Measurement {
         measured: [true; COORDINATES],
         has_power: true,
     }
+}
+
+/// Coordinate `i` of one place minus that of another; azimuths are wrapped.
+pub(crate) fn offset(a: f64, b: f64, i: usize) -> f64 {
+    if i == 1 { angle::difference(a, b) } else { a - b }
 }
 
 /// Distance between a place and the truth, m.

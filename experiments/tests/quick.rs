@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use experiments::catalogue::{ALL, EXPERIMENTS, named};
-use experiments::{Options, Progress, results, table};
+use experiments::{Options, Progress, page, results, table};
 use serde_json::Value;
 
 fn json(name: &str, threads: usize, cells: bool) -> String {
@@ -12,8 +12,11 @@ fn json(name: &str, threads: usize, cells: bool) -> String {
         .into_iter()
         .map(|experiment| (experiment.name, (experiment.run)(&options, &Progress::hidden()).expect("results")))
         .collect();
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/results.md");
+    let page = std::fs::read_to_string(page).expect("the page of results");
     for (_, results) in &all {
         assert!(!table::text(&results.rows).is_empty());
+        page::renew(&page, &results.blocks).expect("a place for each table");
         for figure in &results.figures {
             let svg = figure.to_svg().expect("a figure");
             assert!(svg.starts_with("<svg") && !svg.contains("NaN"), "{}", figure.name);

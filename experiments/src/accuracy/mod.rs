@@ -11,10 +11,13 @@
 //! | `p_correct`               | share in which the most probable mode is the true one      |      |
 //! | `nees_position`           | νᵀ P⁻¹ ν, 3 if the filter is consistent                    |      |
 //!
-//! Scans of one run are not independent: intervals come from resampling whole runs.
+//! Scans of one run are not independent: intervals come from resampling whole runs. Where two ways see the same runs, they are compared run
+//! by run (`compare.rs`).
 
 mod cells;
+mod compare;
 mod figures;
+mod page;
 mod plots;
 
 use common::random::{Purpose, generator};
@@ -28,7 +31,7 @@ use crate::{Case, Options, Progress, Results, Row};
 /// Resamples of an interval.
 const RESAMPLES: usize = 500;
 
-/// Runs the experiment: 1000 runs of each trajectory, or 200 through cells.
+/// Runs the experiment: 1000 runs of each trajectory, or 400 through cells.
 ///
 /// # Errors
 /// If the simulator or the tracker refuses its configuration.
@@ -60,27 +63,25 @@ impl Score {
     }
 }
 
+/// [Σ, n] of a value over the scans of a segment, by run.
+fn sums(runs: &[Vec<Score>], segment: &Segment, of: impl Fn(&Score) -> f64) -> Vec<[f64; 2]> {
+    let of_run = |run: &Vec<Score>| {
+        let values = run.iter().filter(|score| segment.holds(score.k)).map(&of);
+        values.fold([0.0, 0.0], |[sum, n], value| [sum + value, n + 1.0])
+    };
+    runs.iter().map(of_run).collect()
+}
+
 /// The five metrics of one segment; `runs` holds the scores of each run, `place` tells the draws of rows apart.
 fn rows(case: &Case, runs: &[Vec<Score>], segment: &Segment, [seed, place]: [u64; 2]) -> [Row; 5] {
     let mean = |of: fn(&Score) -> f64| -> Estimate {
-        let sums: Vec<[f64; 2]> = runs
-            .iter()
-            .map(|run| {
-                let values = run.iter().filter(|score| segment.holds(score.k)).map(of);
-                values.fold([0.0, 0.0], |[sum, n], value| [sum + value, n + 1.0])
-            })
-            .collect();
+        let sums = sums(runs, segment, of);
         let scans = sums.iter().map(|[_, n]| n).sum::<f64>() as u64;
         let mut rng = generator(seed, Purpose::Resampling, place as u32, 0);
         Estimate { n: scans, ..bootstrap::ratio(&sums, RESAMPLES, LEVEL, &mut rng) }
     };
-    let hits: Vec<[u64; 2]> = runs
-        .iter()
-        .map(|run| {
-            let scores = run.iter().filter(|score| segment.holds(score.k));
-            scores.fold([0, 0], |[hits, n], score| [hits + u64::from(score.correct), n + 1])
-        })
-        .collect();
+    let correct = sums(runs, segment, |score| f64::from(u8::from(score.correct)));
+    let hits: Vec<[u64; 2]> = correct.into_iter().map(|run| run.map(|count| count as u64)).collect();
     [
         Row::new(case, "pred_position_rms_m", mean(|score| score.predicted_m2).square_root()),
         Row::new(case, "est_position_rms_m", mean(|score| score.position_m2).square_root()),

@@ -1,5 +1,7 @@
 //! Drawn plots: one in every scan, of the target alone.
 
+use super::compare::{self, Verdict};
+use super::page::{self, from_reference};
 use super::{Score, figures, rows};
 use crate::follow::{Follower, ScanRecord};
 use crate::parallel::runs_with;
@@ -11,6 +13,9 @@ use crate::{Case, Options, Progress, Results, Row};
 const REFERENCE: &str = "independent run of the source's form, 1000 runs";
 /// The settings that are compared.
 pub(super) const SETTINGS: [Settings; 2] = [Settings::Source, Settings::Default];
+
+/// The same in a comparison.
+pub(super) const PAIR: &str = "default : source";
 
 /// The records of all runs of one case.
 pub(super) struct Runs {
@@ -41,18 +46,38 @@ pub(super) fn run(options: &Options, progress: &Progress) -> Results {
             all.push(case);
         }
     }
+    for pair in all.chunks_exact(SETTINGS.len()) {
+        results.rows.extend(compared([&pair[1], &pair[0]], options.seed));
+    }
     results.remarks = verdict(&results.rows);
+    results.blocks = page::blocks(&results.rows);
     results.figures = figures::of(&all, options.seed);
     results
 }
 
+/// The first of two cases against the second, by segment.
+fn compared(pair: [&Runs; 2], seed: u64) -> Vec<Row> {
+    let [first, second] = pair.map(Runs::scores);
+    let trajectory = pair[0].trajectory;
+    let of_segment = |(place, segment): (u64, crate::trajectory::Segment)| {
+        let case =
+            Case::new().with("trajectory", trajectory.name()).with("settings", PAIR).with("segment", segment.name);
+        compare::rows(&case, [&first, &second], &segment, [seed, place])
+    };
+    (0..).zip(trajectory.segments()).flat_map(of_segment).collect()
+}
+
 impl Runs {
-    fn rows(&self, seed: u64) -> Vec<Row> {
+    fn scores(&self) -> Vec<Vec<Score>> {
         let score = |record: &ScanRecord| {
             let errors = [record.predicted_error_m, record.position_error_m, record.velocity_error_mps];
             Score::new(record.k, errors, record.nees_position, record.correct)
         };
-        let scores: Vec<Vec<Score>> = self.records.iter().map(|run| run.iter().map(score).collect()).collect();
+        self.records.iter().map(|run| run.iter().map(score).collect()).collect()
+    }
+
+    fn rows(&self, seed: u64) -> Vec<Row> {
+        let scores = self.scores();
         let mut all = Vec::new();
         for (place, segment) in (0..).zip(self.trajectory.segments()) {
             let case = Case::new()
@@ -92,47 +117,35 @@ fn published(segment: &str, metric: &str) -> Option<f64> {
 fn verdict(rows: &[Row]) -> Vec<String> {
     let name = |row: &Row| {
         let segment = row.case.get("segment").and_then(serde_json::Value::as_str).unwrap_or_default();
-        format!("{segment} {}: {:.3} [{:.3}, {:.3}]", row.metric, row.value, row.lo, row.hi)
+        format!("{segment} {}: {:.4} [{:.4}, {:.4}]", row.metric, row.value, row.lo, row.hi)
     };
     let compared: Vec<(&Row, f64)> = rows.iter().filter_map(|row| Some((row, row.reference?))).collect();
-    // The reference has an error of its own, as large as that of the figure, and is rounded.
-    let differs = |row: &Row, reference: f64| {
-        let half = if reference > row.value { row.hi - row.value } else { row.value - row.lo };
-        (reference - row.value).abs() > std::f64::consts::SQRT_2 * half + 0.005
-    };
     let outside: Vec<String> = compared
         .iter()
-        .filter(|(row, _)| row.agrees() == Some(false))
-        .map(|&(row, reference)| {
-            let far = if differs(row, reference) { "differs" } else { "no difference of two samples" };
-            format!("\n  {} against {reference} ({far})", name(row))
-        })
+        .filter(|&&(row, reference)| !from_reference(row, reference, 0.01).contains(0.0))
+        .map(|(row, reference)| format!("\n  {} against {reference}", name(row)))
         .collect();
-    let agreement = format!(
-        "{} of {} references on B lie in the interval of their figure.{}",
-        compared.len() - outside.len(),
-        compared.len(),
-        outside.concat()
-    );
-    let of = |settings: &'static str| {
-        rows.iter().filter(move |row| {
-            row.case.get("trajectory") == Some(&"B".into()) && row.case.get("settings") == Some(&settings.into())
-        })
-    };
-    let worse: Vec<String> = of("source")
-        .zip(of("default"))
-        .filter(|(source, default)| match source.metric {
-            "p_correct" => default.hi < source.lo,
-            "nees_position" => false,
-            _ => default.lo > source.hi,
-        })
-        .map(|(source, default)| format!("\n  {} against {:.3} of the source", name(default), source.value))
-        .collect();
-    let place = if worse.is_empty() { " nowhere." } else { ":" };
+    let on_b = rows.iter().filter(|row| {
+        row.case.get("trajectory") == Some(&"B".into()) && row.case.get("settings") == Some(&PAIR.into())
+    });
+    let judged: Vec<(&Row, Verdict)> =
+        on_b.filter(|row| row.metric != "nees_position_difference").map(|row| (row, Verdict::of(row))).collect();
+    let count = |verdict| judged.iter().filter(|(_, of)| *of == verdict).count();
+    let worse: Vec<String> =
+        judged.iter().filter(|(_, of)| *of == Verdict::Worse).map(|(row, _)| format!("\n  {}", name(row))).collect();
     vec![
-        agreement,
         format!(
-            "On B the default settings are worse than the source's, interval apart from interval,{place}{}",
+            "{} of {} references on B do not differ from their figure, both taken as samples of so many runs.{}",
+            compared.len() - outside.len(),
+            compared.len(),
+            outside.concat()
+        ),
+        format!(
+            "On B, run by run, the default settings are better than the source's in {} of {} rows, equal in {}, worse in {}.{}",
+            count(Verdict::Better),
+            judged.len(),
+            count(Verdict::Equal),
+            count(Verdict::Worse),
             worse.concat()
         ),
     ]

@@ -11,6 +11,8 @@ use crate::trajectory::{self, Trajectory};
 use crate::world::Conditions;
 use crate::{Case, Options, fluctuation};
 
+/// Settings of the source, tracks going on, as in the JSON.
+pub(super) const GOES_ON: &str = "source, going on";
 /// F per cell.
 pub(super) const PFA: [f64; 3] = [0.1, 0.01, 0.001];
 /// Mean signal-to-noise ratios, dB.
@@ -33,14 +35,29 @@ pub struct Setting {
     pub gate_rule: GateRule,
     /// Everything else.
     pub settings: Settings,
+    /// Whether a track that the source gives up goes on.
+    pub goes_on: bool,
 }
+
+/// How plots are weighed, but for hypotheses.
+pub(super) const ASSOCIATIONS: [Association; 4] =
+    [Association::PdaStatistics, Association::Pda, Association::Strongest, Association::Nearest];
+/// Where plots are looked for.
+pub(super) const GATE_RULES: [GateRule; 3] = [GateRule::MostProbable, GateRule::Manoeuvre, GateRule::Union];
+/// Where all choices are compared, dB.
+pub(super) const CHOICES_DB: f64 = 12.0;
 
 impl Setting {
     /// PDA with statistics and the usual gates of `settings`, Swerling I.
     fn new(settings: Settings, trajectory: Trajectory, pfa: f64, snr_db: f64) -> Self {
-        let gate_rule = if settings == Settings::Default { GateRule::Union } else { GateRule::MostProbable };
         let (swerling, association) = (Swerling::One, Association::PdaStatistics);
-        Self { trajectory, pfa, snr_db, swerling, association, gate_rule, settings }
+        let gate_rule = usual_rule(settings);
+        Self { trajectory, pfa, snr_db, swerling, association, gate_rule, settings, goes_on: false }
+    }
+
+    /// Whether gate and end of tracks are those of its settings.
+    pub(super) fn is_usual(&self) -> bool {
+        self.gate_rule == usual_rule(self.settings) && !self.goes_on
     }
 
     /// The world.
@@ -54,11 +71,6 @@ impl Setting {
         TrackerConfig { association: self.association, gate_rule: self.gate_rule, ..config }
     }
 
-    /// Whether several hypotheses are followed.
-    pub fn is_mht(&self) -> bool {
-        self.association == Association::Mht
-    }
-
     /// As in the JSON.
     pub fn case(&self) -> Case {
         Case::new()
@@ -68,12 +80,15 @@ impl Setting {
             .with("swerling", fluctuation::parameter(self.swerling))
             .with("association", configured(&self.association))
             .with("gate_rule", configured(&self.gate_rule))
-            .with("settings", self.settings.name())
+            .with("settings", if self.goes_on { GOES_ON } else { self.settings.name() })
     }
 
     /// Published `p_loss`.
     pub(super) fn reference_loss(&self) -> Option<f64> {
         use {Association::PdaStatistics, Settings::Source, Swerling::Zero, Trajectory::B};
+        if self.goes_on {
+            return None;
+        }
         let at_16_db = self.trajectory == B && self.association == PdaStatistics && is(self.snr_db, 16.0);
         match (self.settings, self.gate_rule, self.swerling) {
             (Source, GateRule::MostProbable, Swerling::One) => table(self),
@@ -95,7 +110,7 @@ impl Setting {
 
     /// Published `p_error150`: (T20), (T21), and the source's form at 12 and 16 dB.
     pub(super) fn reference_error(&self) -> Option<f64> {
-        if self.trajectory != Trajectory::B || self.swerling != Swerling::One {
+        if self.trajectory != Trajectory::B || self.swerling != Swerling::One || !self.is_usual() {
             return None;
         }
         let [by_pfa, by_snr] = [place(&PFA, self.pfa)?, place(&SNR_DB, self.snr_db)?];
@@ -110,7 +125,7 @@ impl Setting {
             (Settings::Default, Association::Mht) if by_pfa == 0 && by_snr > 0 => {
                 Some([0.287, 0.047, 0.010, 0.003][by_snr - 1])
             }
-            (Settings::Source, Association::PdaStatistics) if self.gate_rule == GateRule::MostProbable => {
+            (Settings::Source, Association::PdaStatistics) => {
                 let [at_12_db, at_16_db] = [[1.0, 1.0], [0.980, 0.867], [0.703, 0.203]][by_pfa];
                 [None, None, Some(at_12_db), None, Some(at_16_db)][by_snr]
             }
@@ -124,9 +139,10 @@ impl fmt::Display for Setting {
         let text = |value: Value| value.to_string().replace('"', "");
         write!(
             f,
-            "{} settings, {}, {}, F = {}, {} dB, Swerling {}",
+            "{} settings, {}, {} gate, {}, F = {}, {} dB, Swerling {}",
             self.settings.name(),
             text(configured(&self.association)),
+            text(configured(&self.gate_rule)),
             self.trajectory.name(),
             self.pfa,
             self.snr_db,
@@ -135,8 +151,13 @@ impl fmt::Display for Setting {
     }
 }
 
+/// Where the settings look for plots.
+fn usual_rule(settings: Settings) -> GateRule {
+    if settings == Settings::Default { GateRule::Union } else { GateRule::MostProbable }
+}
+
 /// A choice as the configuration names it.
-fn configured(choice: &impl Serialize) -> Value {
+pub(super) fn configured(choice: &impl Serialize) -> Value {
     serde_json::to_value(choice).unwrap_or_default()
 }
 
@@ -182,8 +203,7 @@ pub(super) fn all(options: &Options) -> Vec<Setting> {
     };
     let mut all = Vec::new();
     for trajectory in [Trajectory::Cv, Trajectory::B] {
-        for association in [Association::PdaStatistics, Association::Strongest, Association::Nearest, Association::Pda]
-        {
+        for association in ASSOCIATIONS {
             all.extend(
                 grid(Settings::Source, trajectory).into_iter().map(|setting| Setting { association, ..setting }),
             );
@@ -200,22 +220,36 @@ pub(super) fn all(options: &Options) -> Vec<Setting> {
             all.extend(grid(Settings::Default, trajectory).into_iter().map(|setting| Setting { swerling, ..setting }));
         }
     }
-    let from_10_db = grid(Settings::Default, Trajectory::B).into_iter().filter(|setting| setting.snr_db > 9.0);
-    all.extend(from_10_db.map(|setting| Setting { association: Association::Mht, ..setting }));
+    for trajectory in options.some_of(&trajectory::ALL) {
+        let from_10_db = grid(Settings::Default, trajectory).into_iter().filter(|setting| setting.snr_db > 9.0);
+        all.extend(from_10_db.map(|setting| Setting { association: Association::Mht, ..setting }));
+    }
+    let ends = [CHOICES_DB, 16.0];
+    let source = options
+        .some_of(&PFA)
+        .into_iter()
+        .flat_map(|pfa| ends.map(|snr_db| Setting::new(Settings::Source, Trajectory::B, pfa, snr_db)));
+    all.extend(source.map(|setting| Setting { goes_on: true, ..setting }));
+    let choices = options.some_of(&PFA).into_iter().flat_map(choices);
+    all.extend(choices.filter(|choice| choice.association != Association::PdaStatistics || !choice.is_usual()));
     all
 }
 
-/// The cases whose time is measured.
-pub(super) fn timed() -> Vec<Setting> {
+/// Every association with every gate rule, the rest as by default.
+fn choices(pfa: f64) -> Vec<Setting> {
+    let usual = Setting::new(Settings::Default, Trajectory::B, pfa, CHOICES_DB);
+    let rules = |association| GATE_RULES.map(|gate_rule| Setting { association, gate_rule, ..usual });
+    ASSOCIATIONS.into_iter().flat_map(rules).collect()
+}
+
+/// The cases whose time is measured: the source's associations, all choices and hypotheses, on one trajectory.
+pub(super) fn timed(options: &Options) -> Vec<Setting> {
     let mut all = Vec::new();
-    for pfa in PFA {
-        let source = Setting::new(Settings::Source, Trajectory::Cv, pfa, 12.0);
-        for association in [Association::PdaStatistics, Association::Strongest, Association::Nearest] {
-            all.push(Setting { association, ..source });
-        }
-        for association in [Association::PdaStatistics, Association::Mht] {
-            all.push(Setting { association, ..Setting::new(Settings::Default, Trajectory::B, pfa, 12.0) });
-        }
+    for pfa in options.some_of(&PFA) {
+        let of = |settings| Setting::new(settings, Trajectory::B, pfa, CHOICES_DB);
+        all.extend(ASSOCIATIONS.map(|association| Setting { association, ..of(Settings::Source) }));
+        all.extend(choices(pfa));
+        all.push(Setting { association: Association::Mht, ..of(Settings::Default) });
     }
     all
 }

@@ -35,7 +35,11 @@ fn source(cases: &[Case], trajectory: Trajectory) -> Figure {
                 let is = |case: &&Case| {
                     let setting = &case.setting;
                     let usual = setting.settings == Settings::Source && setting.swerling == Swerling::One;
-                    usual && setting.trajectory == trajectory && setting.association == association && is_pfa(case, pfa)
+                    usual
+                        && setting.is_usual()
+                        && setting.trajectory == trajectory
+                        && setting.association == association
+                        && is_pfa(case, pfa)
                 };
                 series.extend(curve(cases.iter().filter(is), label, colour, measure));
             }
@@ -64,7 +68,11 @@ fn settings(cases: &[Case]) -> Figure {
             let is = |case: &&Case| {
                 let setting = &case.setting;
                 let usual = setting.trajectory == Trajectory::B && setting.swerling == Swerling::One;
-                usual && setting.settings == settings && setting.association == association && is_pfa(case, pfa)
+                usual
+                    && setting.is_usual()
+                    && setting.settings == settings
+                    && setting.association == association
+                    && is_pfa(case, pfa)
             };
             series.extend(curve(cases.iter().filter(is), label, colour, strayed));
         }
@@ -80,16 +88,22 @@ fn settings(cases: &[Case]) -> Figure {
 
 /// Default settings on all trajectories and kinds of targets, at the highest F.
 fn robustness(cases: &[Case]) -> Figure {
-    let kinds = [(Swerling::Zero, "Swerling 0"), (Swerling::One, "Swerling I"), (Swerling::Three, "Swerling III")];
-    let is_default = |case: &&Case| {
-        case.setting.settings == Settings::Default && case.setting.association == Association::PdaStatistics
-    };
+    let kinds = [
+        (Swerling::Zero, Association::PdaStatistics, "Swerling 0"),
+        (Swerling::One, Association::PdaStatistics, "Swerling I"),
+        (Swerling::Three, Association::PdaStatistics, "Swerling III"),
+        (Swerling::One, Association::Mht, "Swerling I, hypotheses"),
+    ];
+    let is_default = |case: &&Case| case.setting.settings == Settings::Default && case.setting.is_usual();
     let pfa = super::cases::PFA[0];
     let mut panels: Vec<Panel> = Vec::new();
     for trajectory in crate::trajectory::ALL {
         let mut series = Vec::new();
-        for (colour, (swerling, label)) in kinds.into_iter().enumerate() {
-            let is = |case: &&Case| case.setting.trajectory == trajectory && case.setting.swerling == swerling;
+        for (colour, (swerling, association, label)) in kinds.into_iter().enumerate() {
+            let is = |case: &&Case| {
+                let setting = &case.setting;
+                setting.trajectory == trajectory && setting.swerling == swerling && setting.association == association
+            };
             let shown = cases.iter().filter(is_default).filter(is).filter(|case| is_pfa(case, pfa));
             series.extend(curve(shown, label, colour, strayed));
         }

@@ -11,7 +11,8 @@
 //! address one track. An address that gets another track than its last one is a change.
 //!
 //! **False tracks.** A confirmed track that was never within the gate of any address, moving
-//! or not, at any range.
+//! or not, at any range. **Redundant tracks.** A confirmed track that in some second was within the gate of reports
+//! that count, all of which had other tracks.
 //!
 //! With these definitions the tracker of the Barcelona radar itself (example `own_tracks` of
 //! the plot source) has, beside the figures that the description of the data gives:
@@ -31,6 +32,9 @@ use common::report::Tracking;
 use common::tracks::{Track, TracksHeader};
 use common::truth::{ON_GROUND, TruthHeader, TruthTarget, VEHICLE};
 use common::units::{NS_PER_S, seconds_between};
+use evaluation::following::{Role, Standing};
+use evaluation::identity::Holder;
+use evaluation::poisson;
 use hdrhistogram::Histogram;
 
 use super::path::{Path, PlanarPoint, distance_m, ns};
@@ -47,7 +51,7 @@ pub struct Cooperative {
     targets: HashMap<u32, Path>,
     tracks: HashMap<u64, Followed>,
     /// Last track of each address.
-    holder: HashMap<u32, u64>,
+    holder: HashMap<u32, Holder<u64>>,
     tracks_ns: u64,
     truth_ns: u64,
     truth_span_ns: Option<(u64, u64)>,
@@ -56,6 +60,7 @@ pub struct Cooperative {
     ground: Share,
     changes: u64,
     never_near: u64,
+    redundant: u64,
     /// Distances, mm.
     distances: Histogram<u64>,
 }
@@ -63,7 +68,7 @@ pub struct Cooperative {
 #[derive(Debug, Default)]
 struct Followed {
     path: Path,
-    near: bool,
+    standing: Standing,
 }
 
 #[derive(Debug, Default, Clone, Copy)]
@@ -100,6 +105,7 @@ impl Cooperative {
             ground: Share::default(),
             changes: 0,
             never_near: 0,
+            redundant: 0,
             distances: Histogram::new_with_bounds(1, 10_000_000, 3).expect("constant bounds are valid"),
         }
     }
@@ -129,13 +135,20 @@ impl Cooperative {
     pub fn finish(&mut self) -> Tracking {
         let end_ns = self.tracks_ns.max(self.truth_ns) + ns(self.config.gap_max_s + 2.0);
         self.score_until(end_ns / NS_PER_S as u64 + 1);
-        let never_near = self.never_near + self.tracks.values().filter(|track| !track.near).count() as u64;
+        let alive = |of: fn(&Standing) -> bool| self.tracks.values().filter(|track| of(&track.standing)).count() as u64;
+        let never_near = self.never_near + alive(Standing::is_false);
+        let redundant = self.redundant + alive(Standing::is_redundant);
         let hours = self.truth_span_ns.map(|(first, last)| seconds_between(first, last) / 3600.0);
+        let counted = hours.filter(|&hours| hours > 0.0);
+        let per_hour = |tracks| counted.map(|hours| poisson::per_hour(tracks, hours * 3600.0, 0.95));
         let distance_m =
             |quantile| (!self.distances.is_empty()).then(|| self.distances.value_at_quantile(quantile) as f64 / 1000.0);
         Tracking {
             false_tracks: hours.map(|_| never_near),
-            false_tracks_per_hour: hours.filter(|&hours| hours > 0.0).map(|hours| never_near as f64 / hours),
+            redundant_tracks: hours.map(|_| redundant),
+            false_tracks_per_hour: per_hour(never_near).map(|rate| rate.value),
+            false_tracks_per_hour_interval: per_hour(never_near).map(|rate| [rate.lo, rate.hi]),
+            redundant_tracks_per_hour: per_hour(redundant).map(|rate| rate.value),
             truth_hours: hours,
             truth_share: self.points.value(),
             truth_share_ground: self.ground.value(),
@@ -170,15 +183,18 @@ impl Cooperative {
     /// Marks the tracks that were within the gate of an address in `second`.
     fn mark_near(&mut self, second: u64) {
         let Self { tracks, targets, config, .. } = self;
-        for track in tracks.values_mut().filter(|track| !track.near) {
+        for track in tracks.values_mut().filter(|track| track.standing.is_false()) {
             let mut points = track.path.points().filter(|point| point.time_ns / NS_PER_S as u64 == second);
-            track.near = points.any(|point| {
+            let is_near = points.any(|point| {
                 targets.values().any(|target| {
                     target
                         .position_at(point.time_ns, config.gap_max_s, 0.0)
                         .is_some_and(|truth| distance_m(truth, point.position_m) <= config.gate_m)
                 })
             });
+            if is_near {
+                track.standing.note_near();
+            }
         }
     }
 
@@ -202,28 +218,31 @@ impl Cooperative {
             }
         }
         for (address, track) in given {
-            if self.holder.insert(address, track).is_some_and(|last| last != track) {
-                self.changes += 1;
-            }
+            self.changes += u64::from(self.holder.entry(address).or_default().follow(track));
         }
     }
 
     /// The track of each address in one second.
-    fn assign(&self, reports: &[&TruthTarget]) -> HashMap<u32, u64> {
+    fn assign(&mut self, reports: &[&TruthTarget]) -> HashMap<u32, u64> {
         let mut pairs = Vec::new();
         for report in reports {
             for (&track, followed) in &self.tracks {
                 if let Some(distance) = self.distance(report, followed) {
-                    let kept = self.holder.get(&report.target_id) == Some(&track);
+                    let kept = self.holder.get(&report.target_id).is_some_and(|holder| holder.is(&track));
                     pairs.push((!kept, distance, report.target_id, track));
                 }
             }
         }
         pairs.sort_by(|a, b| a.partial_cmp(b).expect("distances are numbers"));
         let (mut given, mut taken) = (HashMap::new(), HashSet::new());
-        for (_, _, address, track) in pairs {
+        for &(_, _, address, track) in &pairs {
             if !given.contains_key(&address) && taken.insert(track) {
                 given.insert(address, track);
+            }
+        }
+        for (_, _, _, track) in pairs.iter().filter(|(_, _, _, track)| !taken.contains(track)) {
+            if let Some(followed) = self.tracks.get_mut(track) {
+                followed.standing.note(Role::Redundant);
             }
         }
         given
@@ -242,15 +261,51 @@ impl Cooperative {
         for track in self.tracks.values_mut() {
             track.path.forget_before(needed_ns);
         }
-        let never_near = &mut self.never_near;
-        self.tracks.retain(|_, track| {
+        let Self { tracks, never_near, redundant, .. } = self;
+        tracks.retain(|_, track| {
             let ended = track.path.last_ns() < needed_ns;
-            *never_near += u64::from(ended && !track.near);
+            *never_near += u64::from(ended && track.standing.is_false());
+            *redundant += u64::from(ended && track.standing.is_redundant());
             !ended
         });
         self.targets.retain(|_, target| {
             target.forget_before(needed_ns);
             target.last_ns() >= needed_ns
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::tracks::CONFIRMED;
+
+    /// Scores a target that moves east at 10 m/s for twenty seconds; tracks 1, 2, … are `beside` it by so much, m north.
+    fn score(beside: &[f64]) -> Tracking {
+        let mut cooperative = Cooperative::new(&ScoringConfig::default());
+        for second in 1..=20_u32 {
+            let time_ns = u64::from(second) * NS_PER_S as u64;
+            let mut target = TruthTarget { target_id: 7, time_ns, ..TruthTarget::default() };
+            (target.state[0], target.state[1]) = (10.0 * f64::from(second), 10.0);
+            cooperative.truth(&TruthHeader { time_ns, ..TruthHeader::default() }, &[target]);
+            let tracks: Vec<Track> = (1..)
+                .zip(beside)
+                .map(|(id, north_m)| {
+                    let mut track = Track { id, time_ns, state_code: CONFIRMED, ..Track::default() };
+                    (track.state[0], track.state[1], track.state[3]) = (target.state[0], 10.0, *north_m);
+                    track
+                })
+                .collect();
+            cooperative.tracks(&TracksHeader { time_ns, ..TracksHeader::default() }, &tracks);
+        }
+        cooperative.finish()
+    }
+
+    #[test]
+    fn a_second_track_of_an_address_is_redundant_and_not_false() {
+        let counts = |tracking: &Tracking| (tracking.false_tracks, tracking.redundant_tracks, tracking.id_changes);
+        assert_eq!(counts(&score(&[1.0])), (Some(0), Some(0), Some(0)));
+        assert_eq!(counts(&score(&[1.0, 40.0])), (Some(0), Some(1), Some(0)));
+        assert_eq!(counts(&score(&[1.0, 400.0])), (Some(1), Some(0), Some(0)));
     }
 }

@@ -15,32 +15,21 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use common::amplitude::Detector;
-use common::angle;
-use common::config::{ChainConfig, RadarConfig, Swerling};
-use common::geometry::{Polar, range_rate_mps};
-use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, Plot, PlotsHeader};
+use common::config::{ChainConfig, Swerling};
+use common::plots::{Plot, PlotsHeader};
 use common::report::Detection;
 use common::truth::{TruthHeader, TruthTarget, VISIBLE};
-use common::units::{from_db, seconds_between};
+use common::units::from_db;
 use evaluation::poisson;
-use nalgebra::Vector3;
 
+use super::clutter_region::ClutterRegion;
+use super::offset::{Offset, skirt_cells, skirts_touch};
 use super::path::ns;
 
 /// Axes of a plot, as named in the report.
 const AXES: [&str; 4] = ["range", "azimuth", "elevation", "range_rate"];
-/// A plot of a target is not farther than this on any axis, standard errors.
-const GATE_SIGMAS: f64 = 6.0;
-/// Nor than this, cells, if that is more.
-const GATE_CELLS: f64 = 1.5;
 /// A plot belongs to a target if it was made within this of its passage, scans.
 const TIME_GATE_SCANS: f64 = 0.1;
-/// Skirts of an echo in azimuth and elevation, rad.
-const SKIRT_RAD: f64 = 1.5 * std::f64::consts::PI / 180.0;
-/// Skirts of an echo in range, cells.
-const SKIRT_CELLS: f64 = 4.0;
-/// Clutter matters down to this far below noise, dB.
-const CLUTTER_MARGIN_DB: f64 = 10.0;
 /// Truth waits for plots no longer than this, scans.
 const LONGEST_WAIT_SCANS: usize = 60;
 
@@ -230,135 +219,5 @@ impl PlotScore {
             }
             false
         });
-    }
-}
-
-/// A plot minus a target at the time of the plot, by axis.
-struct Offset {
-    by_axis: [f64; 4],
-    elevated: bool,
-}
-
-impl Offset {
-    fn new(plot: &Plot, target: &TruthTarget, rate_span_mps: f64) -> Self {
-        let dt_s = seconds_between(target.time_ns, plot.time_ns);
-        let velocity = Vector3::from(target.velocity_mps());
-        let position = Vector3::from(target.position_m()) + velocity * dt_s;
-        let place = Polar::from_enu(&position);
-        let rate = plot.range_rate_mps - range_rate_mps(&position, &velocity);
-        let folded = if rate_span_mps > 0.0 { rate - rate_span_mps * (rate / rate_span_mps).round() } else { rate };
-        Self {
-            by_axis: [
-                plot.range_m - place.range_m,
-                angle::difference(plot.azimuth_rad, place.azimuth_rad),
-                plot.elevation_rad - place.elevation_rad,
-                folded,
-            ],
-            elevated: plot.has(HAS_ELEVATION),
-        }
-    }
-
-    fn within_skirts(&self, cells: &PlotsHeader) -> bool {
-        let [range, azimuth, elevation, _] = self.by_axis.map(f64::abs);
-        range <= SKIRT_CELLS * cells.cell_range_m && azimuth <= SKIRT_RAD && (!self.elevated || elevation <= SKIRT_RAD)
-    }
-
-    /// Errors over standard errors of the axes that the plot has; `None` if one is out of the gate.
-    fn normalised(&self, plot: &Plot, cells: &PlotsHeader) -> Option<[Option<f64>; 4]> {
-        let measured = [true, true, plot.has(HAS_ELEVATION), plot.has(HAS_RANGE_RATE)];
-        let sigmas = [plot.sigma_range_m, plot.sigma_azimuth_rad, plot.sigma_elevation_rad, plot.sigma_range_rate_mps];
-        let widths = [cells.cell_range_m, cells.cell_azimuth_rad, cells.cell_elevation_rad, cells.cell_range_rate_mps];
-        let mut normalised = [None; 4];
-        for axis in (0..4).filter(|&axis| measured[axis]) {
-            let sigma = f64::from(sigmas[axis]);
-            if self.by_axis[axis].abs() > (GATE_SIGMAS * sigma).max(GATE_CELLS * widths[axis]) {
-                return None;
-            }
-            normalised[axis] = Some(self.by_axis[axis] / sigma);
-        }
-        Some(normalised)
-    }
-}
-
-/// Whether the echoes of two targets can cross the threshold in neighbouring cells.
-fn skirts_touch(a: &TruthTarget, b: &TruthTarget, cells: &PlotsHeader) -> bool {
-    let [a, b] = [a, b].map(|target| Polar::from_enu(&Vector3::from(target.position_m())));
-    (a.range_m - b.range_m).abs() <= 2.0 * SKIRT_CELLS * cells.cell_range_m
-        && angle::difference(a.azimuth_rad, b.azimuth_rad).abs() <= 2.0 * SKIRT_RAD
-        && (a.elevation_rad - b.elevation_rad).abs() <= 2.0 * SKIRT_RAD
-}
-
-/// Cells near one target, as [`Offset::within_skirts`] counts them.
-fn skirt_cells(target: &TruthTarget, cells: &PlotsHeader, dopplers: f64) -> f64 {
-    let across = |half: f64, cell: f64| if cell > 0.0 { (2.0 * half / cell).round() + 1.0 } else { 1.0 };
-    let elevation = Polar::from_enu(&Vector3::from(target.position_m())).elevation_rad;
-    // Beams below the horizon do not exist.
-    let below = SKIRT_RAD.min(elevation.max(0.0));
-    let beams = across(0.5 * (SKIRT_RAD + below), cells.cell_elevation_rad);
-    across(SKIRT_RAD, cells.cell_azimuth_rad) * beams * (2.0 * SKIRT_CELLS + 1.0) * dopplers
-}
-
-/// Where ground clutter is: lowest beams, filters about zero, first ranges.
-#[derive(Debug)]
-struct ClutterRegion {
-    range_m: f64,
-    elevation_rad: f64,
-    range_rate_mps: f64,
-    /// Share of all cells that lies in it.
-    share: f64,
-}
-
-impl ClutterRegion {
-    fn new(config: &ChainConfig) -> Self {
-        let (radar, clutter) = (&config.radar, &config.sim.clutter);
-        if clutter.range_m <= 0.0 {
-            return Self { range_m: 0.0, elevation_rad: 0.0, range_rate_mps: 0.0, share: 0.0 };
-        }
-        // A Gaussian skirt of half-power width w is A dB down at w/2 · √(A / 3.01 dB).
-        let reach = |width: f64| 0.5 * width * ((clutter.cnr_db + CLUTTER_MARGIN_DB).max(0.0) / 3.01).sqrt();
-        let window = f64::from(config.extractor.guard_cells + config.extractor.reference_cells);
-        let mut region = Self {
-            range_m: clutter.range_m + window * radar.range_step_m,
-            elevation_rad: (reach(radar.beamwidth_elevation_deg) + radar.elevation_step_deg).to_radians(),
-            range_rate_mps: reach(radar.doppler_width_mps) + 0.5 * radar.range_rate_step_mps,
-            share: 0.0,
-        };
-        region.share = region.share_of(radar);
-        region
-    }
-
-    fn share_of(&self, radar: &RadarConfig) -> f64 {
-        let share = |count: u32, inside: &dyn Fn(f64) -> bool| {
-            (0..count).filter(|&index| inside(f64::from(index))).count() as f64 / f64::from(count)
-        };
-        let range = share(radar.ranges, &|cell| radar.range_first_m + radar.range_step_m * cell <= self.range_m);
-        let elevation = share(radar.elevations, &|beam| {
-            (radar.elevation_first_deg + radar.elevation_step_deg * beam).to_radians() <= self.elevation_rad
-        });
-        let rate = share(radar.dopplers, &|filter| {
-            (radar.range_rate_first_mps() + radar.range_rate_step_mps * filter).abs() <= self.range_rate_mps
-        });
-        range * elevation * rate
-    }
-
-    fn holds(&self, plot: &Plot) -> bool {
-        plot.range_m <= self.range_m
-            && plot.elevation_rad <= self.elevation_rad
-            && plot.range_rate_mps.abs() <= self.range_rate_mps
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn without_clutter_all_cells_count() {
-        let mut config = ChainConfig::default();
-        config.sim.clutter.range_m = 0.0;
-        assert!(ClutterRegion::new(&config).share.abs() < 1e-12);
-        config.sim.clutter.range_m = 1000.0;
-        let share = ClutterRegion::new(&config).share;
-        assert!(share > 0.0 && share < 0.1, "{share}");
     }
 }

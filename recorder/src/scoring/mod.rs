@@ -1,17 +1,20 @@
 //! How good plots and tracks are, measured against truth while they pass.
 //!
 //! - [`cooperative`]: truth from transponders: which share of the moving ones is followed.
-//! - [`simulated`]: truth of the simulator: confirmation, losses, errors, GOSPA.
+//! - [`simulated`]: truth of the simulator: confirmation, losses, duplicates, errors, GOSPA.
 //! - [`detection`]: plots of the simulator's cells: detection, false alarms, accuracy.
 //!
 //! All of them keep a few seconds of messages and sums, never a whole run, so they are
 //! folded live for months or over a recording. Each topic has to come in order of time;
 //! topics may be apart by a minute.
 
+mod clutter_region;
 pub mod cooperative;
 pub mod detection;
+mod offset;
 pub mod path;
 pub mod simulated;
+mod state_error;
 
 use common::config::{ChainConfig, Source};
 use common::plots::{Plot, PlotsHeader};

@@ -3,29 +3,31 @@
 //! A track stands for itself by its report nearest in time to the moment at which the beam
 //! passed the target, if that is within 0.6 scans; truth is moved to the time of the report
 //! by its velocity and acceleration. A track follows a target if it is confirmed or
-//! coasting, within `target_gate_m`, and the cheapest one-to-one pairing of the scan gives
-//! it to the target; a target changes its track only for one that is nearer by a quarter of
-//! the gate, so that two targets side by side do not swap tracks at every scan.
+//! coasting, within `target_gate_m`, and the one-to-one pairing of the scan gives it to the target
+//! ([`evaluation::following`]).
 //!
 //! - *confirmation*: scans from the first in which the target is visible to the first in which
 //!   it is followed, both included. Only targets visible for `confirm_scans` count.
 //! - *lost*: a visible target that was followed in its last visible scan and is not now.
 //! - *false*: a confirmed track that was never within the gate of a target, visible or not.
+//! - *redundant*: a confirmed track that in some scan was within the gate of a target while other tracks
+//!   followed all such targets: a duplicate. None of these is false too.
 //! - NEES: ν' P⁻¹ ν over its dimension, of confirmed tracks that follow a target.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 
 use common::config::ScoringConfig;
 use common::report::Tracking;
-use common::tracks::{Track, TracksHeader, pack};
+use common::tracks::{Track, TracksHeader};
 use common::truth::{CONSTANT_VELOCITY, HOVER, MANOEUVRE, TruthHeader, TruthTarget, VISIBLE};
-use common::units::seconds_between;
-use evaluation::assignment::cheapest;
-use evaluation::consistency;
-use evaluation::gospa::gospa;
-use nalgebra::{SMatrix, SVector};
+use evaluation::following::{Standing, pair};
+use evaluation::gospa::{MeanGospa, gospa};
+use evaluation::identity::Holder;
+use evaluation::mean::Moments;
+use evaluation::poisson;
 
 use super::path::ns;
+use super::state_error::StateError;
 
 /// A report counts for a target if it is not farther than this from it in time, scans.
 const TIME_GATE_SCANS: f64 = 0.6;
@@ -33,10 +35,6 @@ const TIME_GATE_SCANS: f64 = 0.6;
 const LONGEST_WAIT_SCANS: usize = 60;
 /// Reports wait for truth no longer than this, s.
 const LONGEST_WAIT_S: f64 = 60.0;
-/// Indices of position in the state.
-const POSITION: [usize; 3] = [0, 3, 6];
-/// Indices of position and velocity in the state.
-const POSITION_AND_VELOCITY: [usize; 6] = [0, 1, 3, 4, 6, 7];
 /// Modes of motion with their names in the report.
 const MODES: [(u32, &str); 3] = [(HOVER, "hover"), (CONSTANT_VELOCITY, "constant_velocity"), (MANOEUVRE, "manoeuvre")];
 
@@ -50,24 +48,39 @@ pub struct Simulated {
     targets: BTreeMap<u32, Life>,
     tracks_ns: u64,
     scans: u64,
-    false_tracks: u64,
+    truth_s: f64,
+    ended: Extra,
     lost: u64,
     changes: u64,
     points: u64,
     followed: u64,
-    position: Mean,
-    velocity: Mean,
-    nees: Mean,
-    nees_position: Mean,
-    gospa: Mean,
-    modes: [Mean; 3],
+    position: Moments,
+    velocity: Moments,
+    nees: Moments,
+    nees_position: Moments,
+    gospa: MeanGospa,
+    modes: [Moments; 3],
+}
+
+/// Tracks that should not have been.
+#[derive(Debug, Default, Clone, Copy)]
+struct Extra {
+    spurious: u64,
+    redundant: u64,
+}
+
+impl Extra {
+    fn count(&mut self, standing: Standing) {
+        self.spurious += u64::from(standing.is_false());
+        self.redundant += u64::from(standing.is_redundant());
+    }
 }
 
 /// The last confirmed reports of a track.
 #[derive(Debug, Default)]
 struct Reports {
     last: VecDeque<Track>,
-    near: bool,
+    standing: Standing,
 }
 
 /// What has happened to a target.
@@ -76,25 +89,13 @@ struct Life {
     visible_scans: u64,
     /// Scans from first sight to confirmation.
     confirmation: Option<u64>,
-    holder: Option<u64>,
+    holder: Holder<u64>,
     followed: bool,
 }
 
-#[derive(Debug, Default, Clone, Copy)]
-struct Mean {
-    sum: f64,
-    n: u64,
-}
-
-impl Mean {
-    fn add(&mut self, value: f64) {
-        self.sum += value;
-        self.n += 1;
-    }
-
-    fn value(self) -> Option<f64> {
-        (self.n > 0).then(|| self.sum / self.n as f64)
-    }
+/// The mean, if there is one.
+fn mean(moments: &Moments) -> Option<f64> {
+    (moments.n() > 0).then(|| moments.mean())
 }
 
 impl Simulated {
@@ -107,17 +108,18 @@ impl Simulated {
             targets: BTreeMap::new(),
             tracks_ns: 0,
             scans: 0,
-            false_tracks: 0,
+            truth_s: 0.0,
+            ended: Extra::default(),
             lost: 0,
             changes: 0,
             points: 0,
             followed: 0,
-            position: Mean::default(),
-            velocity: Mean::default(),
-            nees: Mean::default(),
-            nees_position: Mean::default(),
-            gospa: Mean::default(),
-            modes: [Mean::default(); 3],
+            position: Moments::default(),
+            velocity: Moments::default(),
+            nees: Moments::default(),
+            nees_position: Moments::default(),
+            gospa: MeanGospa::default(),
+            modes: [Moments::default(); 3],
         }
     }
 
@@ -154,23 +156,34 @@ impl Simulated {
         }
         let long_enough = |life: &&Life| life.visible_scans >= u64::from(self.config.confirm_scans);
         let counted: Vec<&Life> = self.targets.values().filter(long_enough).collect();
-        let never_near = self.tracks.values().filter(|track| !track.near && !track.last.is_empty()).count() as u64;
-        let mode_probability = MODES.iter().zip(self.modes);
+        let mut extra = self.ended;
+        self.tracks.values().filter(|track| !track.last.is_empty()).for_each(|track| extra.count(track.standing));
+        let per_hour = |tracks| poisson::per_hour(tracks, self.truth_s, 0.95);
+        let spurious = per_hour(extra.spurious);
+        let mode_probability = MODES.iter().zip(&self.modes);
         let confirmation_scans =
             self.targets.iter().filter_map(|(id, life)| Some((id.to_string(), life.confirmation?)));
         Tracking {
             targets: Some(counted.len() as u64),
             confirmed: Some(counted.iter().filter(|life| life.confirmation.is_some()).count() as u64),
-            false_tracks: Some(self.false_tracks + never_near),
+            false_tracks: Some(extra.spurious),
+            redundant_tracks: Some(extra.redundant),
+            false_tracks_per_hour: Some(spurious.value),
+            false_tracks_per_hour_interval: Some([spurious.lo, spurious.hi]),
+            redundant_tracks_per_hour: Some(per_hour(extra.redundant).value),
+            truth_hours: Some(self.truth_s / 3600.0),
             lost: Some(self.lost),
-            position_rmse_m: self.position.value().map(f64::sqrt),
-            velocity_rmse_mps: self.velocity.value().map(f64::sqrt),
-            nees: self.nees.value(),
-            nees_position: self.nees_position.value(),
-            gospa_m: self.gospa.value(),
+            position_rmse_m: mean(&self.position).map(f64::sqrt),
+            velocity_rmse_mps: mean(&self.velocity).map(f64::sqrt),
+            nees: mean(&self.nees),
+            nees_position: mean(&self.nees_position),
+            gospa_m: mean(&self.gospa.distance),
+            gospa_localisation_m: mean(&self.gospa.localisation),
+            gospa_missed_m: mean(&self.gospa.missed),
+            gospa_false_m: mean(&self.gospa.spurious),
             gospa_parameters: Some([self.config.gospa_cutoff_m, self.config.gospa_order]),
             mode_probability: mode_probability
-                .filter_map(|(&(_, name), mean)| Some((name.to_string(), mean.value()?)))
+                .filter_map(|(&(_, name), moments)| Some((name.to_string(), mean(moments)?)))
                 .collect(),
             confirmation_scans: confirmation_scans.collect(),
             truth_points: Some(self.points),
@@ -185,12 +198,12 @@ impl Simulated {
         let period_ns = ns(header.scan_period_s);
         let time_gate_ns = ns(header.scan_period_s * TIME_GATE_SCANS);
         let ids = self.active(header.time_ns.saturating_sub(period_ns), header.time_ns);
-        let reports: Vec<Vec<(usize, Error)>> = truth
+        let reports: Vec<Vec<(usize, StateError)>> = truth
             .iter()
             .map(|target| {
                 let compare = |(index, id): (usize, &u64)| {
                     let track = self.tracks[id].nearest(target.time_ns)?;
-                    let error = Error::new(track, target)?;
+                    let error = StateError::new(track, target)?;
                     (track.time_ns.abs_diff(target.time_ns) <= time_gate_ns).then_some((index, error))
                 };
                 ids.iter().enumerate().filter_map(compare).collect()
@@ -200,6 +213,7 @@ impl Simulated {
         self.score_following(&truth, &reports, &ids);
         self.forget(header.time_ns.saturating_sub(period_ns));
         self.scans += 1;
+        self.truth_s += header.scan_period_s;
     }
 
     /// Tracks with a report between the two times, in the order of their numbers.
@@ -212,11 +226,11 @@ impl Simulated {
     }
 
     /// GOSPA of the visible targets and the confirmed tracks; tracks that follow a target out of sight are not false.
-    fn score_distance(&mut self, truth: &[TruthTarget], reports: &[Vec<(usize, Error)>], tracks: usize) {
+    fn score_distance(&mut self, truth: &[TruthTarget], reports: &[Vec<(usize, StateError)>], tracks: usize) {
         let cutoff = self.config.gospa_cutoff_m;
         let hidden = |target: &TruthTarget| !target.has(VISIBLE);
         let near_hidden = |track: usize| {
-            let near = |(index, error): &(usize, Error)| *index == track && error.distance_m < cutoff;
+            let near = |(index, error): &(usize, StateError)| *index == track && error.distance_m < cutoff;
             truth.iter().zip(reports).any(|(target, reports)| hidden(target) && reports.iter().any(near))
         };
         let mut number = vec![None; tracks];
@@ -237,24 +251,23 @@ impl Simulated {
                 }
             }
         }
-        self.gospa.add(gospa(visible.len(), counted, &distances, cutoff, self.config.gospa_order).distance);
+        self.gospa.add(&gospa(visible.len(), counted, &distances, cutoff, self.config.gospa_order));
     }
 
-    fn score_following(&mut self, truth: &[TruthTarget], reports: &[Vec<(usize, Error)>], ids: &[u64]) {
-        let gate_m = self.config.target_gate_m;
-        let mut pairs = Vec::new();
-        for (row, (target, reports)) in truth.iter().zip(reports).enumerate() {
-            let holder = self.targets.get(&target.target_id).and_then(|life| life.holder);
-            for &(column, ref error) in reports.iter().filter(|(_, error)| error.distance_m <= gate_m) {
-                let favour_m = if holder == Some(ids[column]) { gate_m / 4.0 } else { 0.0 };
-                pairs.push((row, column, error.distance_m - favour_m));
-                if let Some(track) = self.tracks.get_mut(&ids[column]) {
-                    track.near = true;
-                }
+    fn score_following(&mut self, truth: &[TruthTarget], reports: &[Vec<(usize, StateError)>], ids: &[u64]) {
+        let distances: Vec<_> = (reports.iter().enumerate())
+            .flat_map(|(row, reports)| reports.iter().map(move |(column, error)| (row, *column, error.distance_m)))
+            .collect();
+        let holds = |row: usize, column: usize| {
+            self.targets.get(&truth[row].target_id).is_some_and(|life| life.holder.is(&ids[column]))
+        };
+        let pairing = pair(truth.len(), ids.len(), &distances, self.config.target_gate_m, holds);
+        for (id, role) in ids.iter().zip(pairing.roles) {
+            if let Some(track) = self.tracks.get_mut(id) {
+                track.standing.note(role);
             }
         }
-        let given = cheapest(truth.len(), ids.len(), &pairs, 2.0 * gate_m);
-        for ((target, reports), column) in truth.iter().zip(reports).zip(given) {
+        for ((target, reports), column) in truth.iter().zip(reports).zip(pairing.track_of) {
             let pair = column.and_then(|column| reports.iter().find(|&&(index, _)| index == column));
             let life = self.targets.entry(target.target_id).or_default();
             let visible = target.has(VISIBLE);
@@ -269,9 +282,7 @@ impl Simulated {
             if visible && life.confirmation.is_none() {
                 life.confirmation = Some(life.visible_scans);
             }
-            if life.holder.replace(ids[*column]).is_some_and(|last| last != ids[*column]) {
-                self.changes += 1;
-            }
+            self.changes += u64::from(life.holder.follow(ids[*column]));
             if visible {
                 self.position.add(error.distance_m.powi(2));
                 self.velocity.add(error.speed_mps.powi(2));
@@ -288,11 +299,14 @@ impl Simulated {
 
     /// Forgets reports that no later scan needs, and tracks that have ended.
     fn forget(&mut self, before_ns: u64) {
-        let false_tracks = &mut self.false_tracks;
+        let ended = &mut self.ended;
         self.tracks.retain(|_, track| {
             track.last.retain(|report| report.time_ns > before_ns);
-            *false_tracks += u64::from(track.last.is_empty() && !track.near);
-            !track.last.is_empty()
+            let ends = track.last.is_empty();
+            if ends {
+                ended.count(track.standing);
+            }
+            !ends
         });
     }
 }
@@ -303,43 +317,57 @@ impl Reports {
     }
 }
 
-/// A track report minus truth at its time.
-#[derive(Debug, Clone)]
-struct Error {
-    distance_m: f64,
-    speed_mps: f64,
-    nees: Option<f64>,
-    nees_position: Option<f64>,
-    mode_probability: [f64; 3],
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::tracks::CONFIRMED;
 
-impl Error {
-    /// `None` for states that are no numbers.
-    fn new(track: &Track, target: &TruthTarget) -> Option<Self> {
-        let dt_s = seconds_between(target.time_ns, track.time_ns);
-        let mut truth = target.state;
-        for axis in POSITION {
-            let [x, v, a] = [target.state[axis], target.state[axis + 1], target.state[axis + 2]];
-            truth[axis] = x + v * dt_s + 0.5 * a * dt_s * dt_s;
-            truth[axis + 1] = v + a * dt_s;
-        }
-        let error: [f64; 9] = std::array::from_fn(|index| track.state[index] - truth[index]);
-        let length = |axes: [usize; 3]| axes.iter().map(|&axis| error[axis] * error[axis]).sum::<f64>().sqrt();
-        let (distance_m, speed_mps) = (length(POSITION), length(POSITION.map(|axis| axis + 1)));
-        distance_m.is_finite().then(|| Self {
-            distance_m,
-            speed_mps,
-            nees: normalised_square(&error, track, POSITION_AND_VELOCITY),
-            nees_position: normalised_square(&error, track, POSITION),
-            mode_probability: track.mode_probability,
-        })
+    const PERIOD_NS: u64 = 1_000_000_000;
+
+    fn track(id: u64, time_ns: u64, x_m: f64) -> Track {
+        let mut track = Track { id, time_ns, state_code: CONFIRMED, ..Track::default() };
+        track.state[0] = x_m;
+        track
     }
-}
 
-/// NEES of some components over their number; `None` if P has no Cholesky factor.
-fn normalised_square<const N: usize>(error: &[f64; 9], track: &Track, components: [usize; N]) -> Option<f64> {
-    let covariance =
-        SMatrix::<f64, N, N>::from_fn(|row, column| track.covariance[pack(components[row], components[column])]);
-    let error = SVector::from(components.map(|component| error[component]));
-    Some(consistency::normalised_square(&error, &covariance)? / N as f64)
+    /// Scores `scans` scans of one hovering target; `places` are those of the confirmed tracks 1, 2, … east of it, m.
+    fn score(scans: u64, places: impl Fn(u64) -> Vec<f64>) -> Tracking {
+        let mut simulated = Simulated::new(&ScoringConfig::default());
+        for scan in 1..=scans {
+            let time_ns = scan * PERIOD_NS;
+            let target = TruthTarget { target_id: 1, time_ns, flags: VISIBLE, ..TruthTarget::default() };
+            let header = TruthHeader { time_ns, scan_period_s: 1.0, ..TruthHeader::default() };
+            simulated.truth(&header, &[target]);
+            let tracks: Vec<Track> = (1..).zip(places(scan)).map(|(id, x_m)| track(id, time_ns, x_m)).collect();
+            simulated.tracks(&TracksHeader { time_ns, ..TracksHeader::default() }, &tracks);
+        }
+        simulated.finish()
+    }
+
+    #[test]
+    fn a_second_track_of_a_target_is_redundant_and_not_false() {
+        let alone = score(10, |_| vec![5.0]);
+        assert_eq!((alone.false_tracks, alone.redundant_tracks, alone.lost), (Some(0), Some(0), Some(0)));
+        let twice = score(10, |_| vec![5.0, 30.0]);
+        assert_eq!((twice.false_tracks, twice.redundant_tracks, twice.id_changes), (Some(0), Some(1), Some(0)));
+        assert_eq!(twice.redundant_tracks_per_hour, Some(360.0));
+        // One track too many costs c²/2.
+        assert!((twice.gospa_m.expect("scans") - (25.0 + 5000.0_f64).sqrt()).abs() < 1e-9, "{twice:?}");
+        assert!((twice.gospa_false_m.expect("scans") - 5000.0_f64.sqrt()).abs() < 1e-9, "{twice:?}");
+        assert_eq!((twice.gospa_localisation_m, twice.gospa_missed_m), (Some(5.0), Some(0.0)));
+        // Also one that was a duplicate for a while and has ended.
+        let before = score(10, |scan| if scan < 4 { vec![5.0, 30.0] } else { vec![5.0] });
+        assert_eq!((before.false_tracks, before.redundant_tracks), (Some(0), Some(1)));
+        let far = score(10, |_| vec![5.0, 3000.0]);
+        assert_eq!((far.false_tracks, far.redundant_tracks), (Some(1), Some(0)));
+    }
+
+    #[test]
+    fn a_target_whose_track_is_replaced_has_changed_it_once() {
+        let replaced = score(10, |scan| if scan < 6 { vec![5.0] } else { vec![9000.0, 5.0] });
+        assert_eq!(
+            (replaced.id_changes, replaced.false_tracks, replaced.redundant_tracks),
+            (Some(1), Some(0), Some(0))
+        );
+    }
 }

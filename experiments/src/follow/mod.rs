@@ -7,12 +7,14 @@
 //!
 //! Neither the beam nor other tracks come in: every scan is at a whole second, and the track begins with two plots of its target.
 
+mod record;
+
 use std::time::Instant;
 
 use common::amplitude::Detector;
 use common::config::{Association, GateRule, TrackerConfig};
 use common::random::{Purpose, generator};
-use nalgebra::{Matrix3, Vector3};
+use evaluation::track_loss::Watch;
 use tracker::amplitude::Amplitude;
 use tracker::association::{FalsePlots, Rules, Surroundings};
 use tracker::gate::{Gate, Radar};
@@ -28,8 +30,11 @@ use crate::surround::{Surround, gates};
 use crate::trajectory::SCANS;
 use crate::world::{Conditions, Sight, distance_m, radar};
 
+pub use record::ScanRecord;
+pub(crate) use record::errors_of;
+
 /// Scans running outside the gate, or beyond the distance, that lose a track.
-pub const LOST_SCANS: u32 = 3;
+pub const LOST_SCANS: usize = 3;
 /// Position error that counts as lost where it lasts, m.
 pub const LOST_DISTANCE_M: f64 = 150.0;
 /// False plots expected in the gate above which the source gives a track up.
@@ -62,50 +67,6 @@ impl Fate {
     }
 }
 
-/// What one scan did.
-#[derive(Debug, Clone, Copy)]
-pub struct ScanRecord {
-    /// k.
-    pub k: u32,
-    /// Predicted position minus truth, ENU, m.
-    pub predicted_error_m: Vector3<f64>,
-    /// Estimated position minus truth, ENU, m.
-    pub position_error_m: Vector3<f64>,
-    /// Estimated velocity minus truth, ENU, m/s.
-    pub velocity_error_mps: Vector3<f64>,
-    /// Standard deviations that the filter states for the estimated position, ENU, m.
-    pub position_sd_m: Vector3<f64>,
-    /// νᵀ P⁻¹ ν of the position; 3 on average if the filter is right.
-    pub nees_position: f64,
-    /// W by mode.
-    pub probability: [f64; MODES],
-    /// Whether the most probable mode is that of the truth.
-    pub correct: bool,
-    /// The gate in use; the largest of a union.
-    pub gate: Gate,
-}
-
-impl ScanRecord {
-    fn new(k: u32, prediction: &Imm, outcome: &Outcome, sight: &Sight) -> Self {
-        let (predicted, estimate) = (prediction.mixture(), outcome.posterior.mixture());
-        let [position, velocity] = [sight.truth.position_m, sight.truth.velocity_mps];
-        let p = &estimate.covariance;
-        let covariance = Matrix3::new(p[0], p[1], p[3], p[1], p[2], p[4], p[3], p[4], p[5]);
-        let error = Vector3::from(estimate.position()) - position;
-        Self {
-            k,
-            predicted_error_m: Vector3::from(predicted.position()) - position,
-            position_error_m: error,
-            velocity_error_mps: Vector3::from(estimate.velocity()) - velocity,
-            position_sd_m: covariance.diagonal().map(f64::sqrt),
-            nees_position: evaluation::consistency::normalised_square(&error, &covariance).unwrap_or(f64::NAN),
-            probability: outcome.posterior.probability,
-            correct: outcome.posterior.most_probable() == sight.mode,
-            gate: outcome.selection.gate,
-        }
-    }
-}
-
 /// Follows targets under the same conditions, one after the other.
 pub struct Follower {
     config: TrackerConfig,
@@ -120,6 +81,7 @@ pub struct Follower {
     plots: Vec<Measurement>,
     predictions: Vec<Imm>,
     timed_us: Option<Vec<f64>>,
+    goes_on: bool,
 }
 
 /// A track in the making.
@@ -129,8 +91,8 @@ struct Pursuit {
     posterior: Imm,
     amplitude: Amplitude,
     given_up: bool,
-    outside: u32,
-    beyond: u32,
+    outside: Watch,
+    beyond: Watch,
     fate: Fate,
 }
 
@@ -158,8 +120,15 @@ impl Follower {
             plots: Vec::new(),
             predictions: Vec::new(),
             timed_us: None,
+            goes_on: false,
             config: config.clone(),
         }
+    }
+
+    /// The same, but a track whose target has left the gate for three scans goes on with whatever plots it meets.
+    #[must_use]
+    pub fn going_on(self, goes_on: bool) -> Self {
+        Self { goes_on, ..self }
     }
 
     /// Follows a target until it is known whether the track is lost by both criteria. `seed` and `run` choose the false plots.
@@ -206,7 +175,15 @@ impl Follower {
         }
         let hypotheses = (self.config.association == Association::Mht)
             .then(|| Hypotheses::new(&posterior, self.config.hypotheses as usize));
-        Pursuit { hypotheses, posterior, amplitude, given_up: false, outside: 0, beyond: 0, fate: Fate::default() }
+        Pursuit {
+            hypotheses,
+            posterior,
+            amplitude,
+            given_up: false,
+            outside: lost(),
+            beyond: lost(),
+            fate: Fate::default(),
+        }
     }
 
     /// One scan: what the track expected and what became of it.
@@ -257,7 +234,7 @@ impl Follower {
             None => update(&prediction, 0, &self.plots, &surroundings, rules, workspace),
             Some(hypotheses) => hypotheses.update(0, &self.plots, &surroundings, rules, workspace, &mut self.room),
         };
-        if let Some(timed_us) = &mut self.timed_us {
+        if let Some(timed_us) = self.timed_us.as_mut().filter(|_| !pursuit.given_up) {
             timed_us.push((predicted + started.elapsed()).as_secs_f64() * 1e6);
         }
         for (candidate, weights) in self.workspace.candidates.iter().zip(&self.workspace.weights) {
@@ -286,16 +263,20 @@ impl Follower {
             GateRule::Union => gates(prediction, &self.radar, self.rules.alpha).iter().any(holds),
             GateRule::MostProbable | GateRule::Manoeuvre => holds(&outcome.selection.gate),
         };
-        pursuit.outside = if in_gate { 0 } else { pursuit.outside + 1 };
-        if pursuit.given_up || pursuit.outside >= LOST_SCANS {
+        let leaves_gate = pursuit.outside.see(in_gate).is_some();
+        if pursuit.given_up || leaves_gate {
             pursuit.fate.lost_at.get_or_insert(k);
             // The source ends here; what goes on is what it would have predicted. Gates of all modes go on looking.
-            pursuit.given_up |= self.rules.gate_rule != GateRule::Union;
+            pursuit.given_up |= self.rules.gate_rule != GateRule::Union && !self.goes_on;
         }
-        let far = distance_m(outcome.posterior.mixture().position(), &sight.truth) > LOST_DISTANCE_M;
-        pursuit.beyond = if far { pursuit.beyond + 1 } else { 0 };
-        pursuit.fate.strayed |= pursuit.beyond >= LOST_SCANS;
+        let error_m = distance_m(outcome.posterior.mixture().position(), &sight.truth);
+        pursuit.fate.strayed |= pursuit.beyond.see(error_m <= LOST_DISTANCE_M).is_some();
     }
+}
+
+/// Not lost yet.
+fn lost() -> Watch {
+    Watch::new(LOST_SCANS)
 }
 
 /// The scans after the two of the start, k = 1, 2, …

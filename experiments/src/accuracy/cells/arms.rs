@@ -1,0 +1,136 @@
+//! Ways to the same tracker that differ in one thing: how the target's plots err.
+//!
+//! ```text
+//! cells      as the extractor found them
+//! stated     the same plots, but the target's at the truth plus a normal error of the standard deviations that it states
+//! nominal    the same, with those of a place uniform in its cell (C1), and stating these
+//! plots      the filter alone on drawn plots of (C1), begun on the target: no cells, no beam, no other tracks
+//! ```
+//!
+//! The first three have the same powers, detections and false plots in every scan.
+
+use std::f64::consts::TAU;
+
+use common::angle;
+use common::config::TrackerConfig;
+use common::plots::Plot;
+use common::random::{Purpose, generator};
+use radar_sim::motion::Segments;
+use rand::Rng;
+use tracker::Tracker;
+use tracker::track::LiveTrack;
+
+use super::radar::{Flight, Look, stated_sigma};
+use crate::accuracy::Score;
+use crate::follow::{Follower, LOST_DISTANCE_M, errors_of};
+use crate::trajectory::SCANS;
+use crate::world::{Sight, mode_before, place, scattered};
+
+/// A way from the target to a track.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Arm {
+    Cells,
+    Stated,
+    Nominal,
+    Plots,
+}
+
+impl Arm {
+    pub(super) const ALL: [Self; 4] = [Self::Cells, Self::Stated, Self::Nominal, Self::Plots];
+
+    /// As in the JSON.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Cells => "cells",
+            Self::Stated => "stated",
+            Self::Nominal => "nominal",
+            Self::Plots => "plots",
+        }
+    }
+}
+
+/// The score of each scan k = 1 … 50 in which a confirmed track was within 150 m of the target.
+pub(super) type Scores = Vec<Option<Score>>;
+
+/// The scores of one arm that begins with the plots of a flight.
+///
+/// # Errors
+/// If the tracker refuses its configuration.
+pub(super) fn through_tracker(
+    arm: Arm,
+    flight: &Flight,
+    motion: &Segments,
+    seed: u64,
+    run: u32,
+) -> anyhow::Result<Scores> {
+    let mut tracker = Tracker::new(&TrackerConfig::default(), 1)?;
+    let mut tracks = Vec::new();
+    let mut scores: Vec<Option<(f64, Score)>> = vec![None; SCANS as usize];
+    for (scan, look) in (0..).zip(&flight.looks) {
+        let mut rng = generator(seed, Purpose::Measurement, run, scan);
+        let plots = replaced(arm, flight, look, motion, &mut rng);
+        for (header, plots) in flight.messages(scan, &plots) {
+            tracker.take(&header, &plots, &mut tracks);
+            for updated in tracks.iter().filter(|track| track.is_confirmed()) {
+                let Some(track) = tracker.alive().iter().find(|track| track.id == updated.id) else { continue };
+                let (distance_m, score) = score(track, motion, flight.seconds(track.time_ns));
+                let Some(best) = (score.k as usize).checked_sub(1).and_then(|index| scores.get_mut(index)) else {
+                    continue;
+                };
+                if distance_m <= LOST_DISTANCE_M && best.is_none_or(|(least, _)| distance_m < least) {
+                    *best = Some((distance_m, score));
+                }
+            }
+        }
+    }
+    Ok(scores.into_iter().map(|best| best.map(|(_, score)| score)).collect())
+}
+
+/// The scores of the filter alone.
+pub(super) fn drawn(follower: &mut Follower, sights: &[Sight], seed: u64, run: u32) -> Scores {
+    let mut scores = Vec::new();
+    follower.watch(sights, seed, run, |record, _| {
+        let errors = [record.predicted_error_m, record.position_error_m, record.velocity_error_mps];
+        let score = Score::new(record.k, errors, record.nees_position, record.correct);
+        scores.push((record.position_error_m.norm() <= LOST_DISTANCE_M).then_some(score));
+    });
+    scores
+}
+
+/// The plots of a turn as an arm has them.
+fn replaced(arm: Arm, flight: &Flight, look: &Look, motion: &Segments, rng: &mut impl Rng) -> Vec<Plot> {
+    let mut plots = look.plots.clone();
+    let Some(own) = look.own.map(|own| &mut plots[own]) else { return plots };
+    let sigma = match arm {
+        Arm::Stated => stated_sigma(own),
+        Arm::Nominal => flight.nominal_sigma(),
+        Arm::Cells | Arm::Plots => return plots,
+    };
+    let [range_m, azimuth_rad, elevation_rad, range_rate_mps] = scattered(&place(&motion.at(look.time_s)), &sigma, rng);
+    // A plot is as old as the beam at its azimuth.
+    let later_s = angle::difference(azimuth_rad, own.azimuth_rad) / TAU * flight.period_s();
+    *own = Plot {
+        time_ns: own.time_ns.saturating_add_signed((later_s * common::units::NS_PER_S) as i64),
+        range_m,
+        azimuth_rad,
+        elevation_rad,
+        range_rate_mps,
+        sigma_range_m: sigma[0] as f32,
+        sigma_azimuth_rad: sigma[1] as f32,
+        sigma_elevation_rad: sigma[2] as f32,
+        sigma_range_rate_mps: sigma[3] as f32,
+        ..*own
+    };
+    plots
+}
+
+/// Distance of a track from the truth at its time, and the errors of its last update. The beam passes at a fraction of a second after
+/// the start of a turn: k is the scan that it is nearest to.
+fn score(track: &LiveTrack, motion: &Segments, time_s: f64) -> (f64, Score) {
+    let truth = motion.at(time_s);
+    let errors = errors_of(&track.last.prediction, &track.posterior, &truth);
+    let k = time_s.round() as i64 - 1;
+    let correct = track.posterior.most_probable() == mode_before(motion, (k + 1) as f64);
+    let all = [errors.predicted_m, errors.position_m, errors.velocity_mps];
+    (errors.position_m.norm(), Score::new(k.max(0) as u32, all, errors.nees_position, correct))
+}

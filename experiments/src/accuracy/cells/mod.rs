@@ -1,0 +1,160 @@
+//! Trajectory B at 16 dB through simulated cells, the plot extractor and the whole tracker, step by step to drawn plots and the filter alone.
+//!
+//! Scored are the scans k = 10 … 50 in which *every* arm ([`arms::Arm`]) has a confirmed track within 150 m of the target: the same scans of the
+//! same runs, each arm's own share of them is `p_followed`. Neighbouring arms differ in one thing, so their comparisons
+//! (`compare.rs`) say what it does. Two arms are *equivalent* if the whole 95 % interval lies within ± 5 % of no difference.
+
+mod arms;
+mod page;
+mod radar;
+
+use common::config::{ChainConfig, Swerling};
+use common::random::{Purpose, generator};
+use evaluation::{Estimate, bootstrap};
+
+use super::{RESAMPLES, Score, compare, rows};
+use crate::follow::Follower;
+use crate::parallel::runs_with;
+use crate::rows::LEVEL;
+use crate::settings::Settings;
+use crate::trajectory::{Segment, Trajectory};
+use crate::world::{Conditions, place, sights};
+use crate::{Case, Options, Progress, Results, Row, fluctuation};
+use arms::{Arm, Scores};
+
+/// F per cell.
+const PFA: [f64; 2] = [1e-4, 1e-3];
+/// Kinds of targets.
+const SWERLING: [Swerling; 2] = [Swerling::Zero, Swerling::One];
+/// Peak SNR of the target, at the centre of a cell.
+const SNR_DB: f64 = 16.0;
+/// Arms that are compared.
+const PAIRS: [(Arm, Arm, &str); 4] = [
+    (Arm::Cells, Arm::Stated, "cells : stated"),
+    (Arm::Stated, Arm::Nominal, "stated : nominal"),
+    (Arm::Nominal, Arm::Plots, "nominal : plots"),
+    (Arm::Cells, Arm::Plots, "cells : plots"),
+];
+
+/// One run by arm.
+struct Run {
+    /// Scores of all scans.
+    scores: [Scores; 4],
+    /// Detections from cells and drawn.
+    detected: [u64; 2],
+    /// Mean over plots and axes of squared errors of the target's plots from cells over stated and nominal variances; [Σ, n].
+    plot_nees: [[f64; 2]; 2],
+}
+
+pub(super) fn run(options: &Options, progress: &Progress) -> anyhow::Result<Results> {
+    let runs = options.runs_or(400, 2);
+    let mut results = Results { runs, ..Results::default() };
+    let pfas = if options.quick { &PFA[..1] } else { &PFA };
+    progress.expect(u64::from(runs) * (SWERLING.len() * pfas.len()) as u64);
+    for swerling in SWERLING {
+        for &pfa in pfas {
+            progress.say(format!("Swerling {}, F = {pfa:e}", fluctuation::name(swerling)));
+            let reference_cells = 2 * ChainConfig::default().extractor.reference_cells;
+            let conditions = Conditions { pfa, reference_cells, snr_db: SNR_DB, swerling };
+            let follower = || Follower::new(&Settings::Default.config(&conditions), &conditions);
+            let all = runs_with(options.threads, runs, progress, follower, |follower, run| {
+                one_run(follower, &conditions, options.seed, run)
+            });
+            let all = all.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+            results.rows.extend(rows_of(&conditions, &all, options.seed));
+        }
+    }
+    results.remarks = page::verdict(&results.rows);
+    results.blocks = page::blocks(&results.rows);
+    Ok(results)
+}
+
+fn one_run(follower: &mut Follower, conditions: &Conditions, seed: u64, run: u32) -> anyhow::Result<Run> {
+    let motion = Trajectory::B.motion(seed, run);
+    let flight = radar::Flight::simulate(&motion, seed, run, conditions.swerling, conditions.pfa)?;
+    let sights = sights(Trajectory::B, conditions, seed, run);
+    let through = |arm| arms::through_tracker(arm, &flight, &motion, seed, run);
+    let scores = [
+        through(Arm::Cells)?,
+        through(Arm::Stated)?,
+        through(Arm::Nominal)?,
+        arms::drawn(follower, &sights, seed, run),
+    ];
+    let mut plot_nees = [[0.0; 2]; 2];
+    for look in &flight.looks {
+        let Some(plot) = look.own.map(|own| &look.plots[own]) else { continue };
+        let errors = radar::errors(plot, &place(&motion.at(look.time_s)));
+        for (sums, sigma) in plot_nees.iter_mut().zip([radar::stated_sigma(plot), flight.nominal_sigma()]) {
+            sums[0] += errors.iter().zip(sigma).map(|(error, sigma)| (error / sigma).powi(2)).sum::<f64>();
+            sums[1] += errors.len() as f64;
+        }
+    }
+    // Index 0 is k = −1.
+    let counted = |index: usize| Segment::SETTLED.holds((index as u32).saturating_sub(1));
+    let looks = flight.looks.iter().enumerate().filter(|&(index, look)| counted(index) && look.own.is_some());
+    let drawn = sights.iter().enumerate().filter(|&(index, sight)| counted(index) && sight.detected);
+    Ok(Run { scores, detected: [looks.count() as u64, drawn.count() as u64], plot_nees })
+}
+
+fn rows_of(conditions: &Conditions, runs: &[Run], seed: u64) -> Vec<Row> {
+    let case = |segment: &'static str, source: &'static str| {
+        Case::new()
+            .with("trajectory", "B")
+            .with("settings", "default")
+            .with("segment", segment)
+            .with("source", source)
+            .with("swerling", fluctuation::parameter(conditions.swerling))
+            .with("pfa", conditions.pfa)
+    };
+    let settled = Segment::SETTLED;
+    let trials = u64::from(settled.last - settled.first + 1);
+    let mut all = Vec::new();
+    for arm in Arm::ALL {
+        let case = case(settled.name, arm.name());
+        let detected: Vec<[u64; 2]> =
+            runs.iter().map(|run| [run.detected[usize::from(arm == Arm::Plots)], trials]).collect();
+        all.push(Row::clustered(&case, "pd", &detected));
+        let followed =
+            |run: &Run| run.scores[arm as usize].iter().flatten().filter(|score| settled.holds(score.k)).count();
+        let followed: Vec<[u64; 2]> = runs.iter().map(|run| [followed(run) as u64, trials]).collect();
+        all.push(Row::clustered(&case, "p_followed", &followed));
+    }
+    for (metric, which) in [("plot_nees_stated", 0), ("plot_nees_nominal", 1)] {
+        let sums: Vec<[f64; 2]> = runs.iter().map(|run| run.plot_nees[which]).collect();
+        let mut rng = generator(seed, Purpose::Resampling, which as u32, 2);
+        let n = sums.iter().map(|[_, n]| n).sum::<f64>() as u64;
+        let found = Estimate { n, ..bootstrap::ratio(&sums, RESAMPLES, LEVEL, &mut rng) };
+        all.push(
+            Row::new(&case(settled.name, Arm::Cells.name()), metric, found)
+                .against(1.0, "errors as they are said to be"),
+        );
+    }
+    let common: Vec<[Vec<Score>; 4]> = runs.iter().map(common_scans).collect();
+    let of = |arm: Arm| -> Vec<Vec<Score>> { common.iter().map(|run| run[arm as usize].clone()).collect() };
+    let by_arm = Arm::ALL.map(of);
+    let named = Trajectory::B.segments().into_iter().filter(|segment| segment.first >= settled.first);
+    for (place, segment) in (0..).zip(std::iter::once(settled).chain(named)) {
+        for arm in Arm::ALL {
+            all.extend(rows(&case(segment.name, arm.name()), &by_arm[arm as usize], &segment, [seed, place]));
+        }
+        for (first, second, name) in PAIRS {
+            let pair = [first, second].map(|arm| by_arm[arm as usize].as_slice());
+            all.extend(compare::rows(&case(segment.name, name), pair, &segment, [seed, place]));
+        }
+    }
+    all
+}
+
+/// The scores of each arm in the scans in which all have one.
+fn common_scans(run: &Run) -> [Vec<Score>; 4] {
+    let mut common: [Vec<Score>; 4] = Default::default();
+    for index in 0..run.scores[0].len() {
+        let in_all = [0, 1, 2, 3].map(|arm: usize| run.scores[arm].get(index).copied().flatten());
+        if let [Some(a), Some(b), Some(c), Some(d)] = in_all {
+            for (scores, score) in common.iter_mut().zip([a, b, c, d]) {
+                scores.push(score);
+            }
+        }
+    }
+    common
+}

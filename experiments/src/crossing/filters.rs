@@ -1,0 +1,167 @@
+//! The association alone: two filters that have begun on their drones, with and without joint events, on the same plots.
+
+use common::config::TrackerConfig;
+use common::random::{Purpose, generator};
+use evaluation::following::pair;
+use nalgebra::Vector3;
+use radar_sim::motion::Segments;
+use tracker::amplitude::Amplitude;
+use tracker::association::{FalsePlots, Rules, Surroundings};
+use tracker::gate::Radar;
+use tracker::imm::{Imm, transition};
+use tracker::joint::{Claimant, Sharing};
+use tracker::measurement::{COORDINATES, Measurement};
+use tracker::motion::{MODES, Motion};
+use tracker::start::two_plots;
+use tracker::track::Kinematics as TrackKinematics;
+use tracker::update::{Workspace, update};
+
+use super::course::{CONDITIONS, Course, FOLLOWS_M, SCANS, paths, plots};
+use super::outcome::Outcome;
+use crate::judge::distances_of_sets;
+use crate::surround::Surround;
+use crate::world::{distance_m, plot, radar};
+
+/// Scans at the end in which tracks in one place count as coalesced.
+const LAST: u32 = 5;
+/// Mode probabilities at the start.
+const START: [f64; MODES] = [0.33, 0.34, 0.33];
+
+/// Two tracks and what they need.
+pub(super) struct Filters {
+    config: TrackerConfig,
+    rules: Rules,
+    motion: Motion,
+    radar: Radar,
+    workspace: Workspace,
+    sharing: Sharing,
+    shares: Vec<f64>,
+    plots: Vec<Measurement>,
+}
+
+impl Filters {
+    pub(super) fn new() -> Self {
+        let (config, radar) = (TrackerConfig::default(), radar());
+        Self {
+            rules: Rules::new(&config),
+            motion: TrackKinematics::new(&config, &radar).motion,
+            radar,
+            workspace: Workspace::default(),
+            sharing: Sharing::default(),
+            shares: Vec::new(),
+            plots: Vec::new(),
+            config,
+        }
+    }
+
+    /// One run: first with independent tracks, then with joint events.
+    pub(super) fn fly(&mut self, course: Course, separation: f64, merged: bool, seed: u64, run: u32) -> [Outcome; 2] {
+        let drones = paths(course, separation);
+        let scans: Vec<Vec<Measurement>> = (0..SCANS)
+            .map(|scan| {
+                let mut rng = generator(seed, Purpose::Measurement, run, scan);
+                // The tracks begin on two plots of their own.
+                let begun = scan > 1;
+                let seen = plots(&drones, [f64::from(scan); 2], merged && begun, &mut rng);
+                let mut seen: Vec<Measurement> = seen.iter().map(|seen| plot(seen.polar, seen.power)).collect();
+                seen.retain(|plot| !begun || plot.power > CONDITIONS.detector().threshold);
+                seen
+            })
+            .collect();
+        [false, true].map(|joint| self.follow(&drones, &scans, joint, seed, run))
+    }
+
+    fn follow(
+        &mut self,
+        drones: &[Segments; 2],
+        scans: &[Vec<Measurement>],
+        joint: bool,
+        seed: u64,
+        run: u32,
+    ) -> Outcome {
+        let detector = CONDITIONS.detector();
+        let chain = transition(self.config.stay_probability, 1.0);
+        let mut tracks: [Imm; 2] =
+            std::array::from_fn(|i| two_plots(&scans[0][i], &scans[1][i], 1.0, &self.motion, START));
+        let mut amplitudes = [Amplitude::prior(&self.config, &detector); 2];
+        let mut outcome = Outcome::default();
+        for (scan, seen) in (0..).zip(scans).skip(2) {
+            let predictions = tracks.map(|track| track.predict(&chain, &self.motion, 1.0));
+            for amplitude in &mut amplitudes {
+                amplitude.look(&self.config, &detector);
+            }
+            self.plots.clear();
+            self.plots.extend(seen);
+            let cells: f64 = self.radar.cell.iter().product();
+            let clutter = |polar: &[f64; COORDINATES]| FalsePlots {
+                density: CONDITIONS.pfa / cells / (polar[0] * polar[0] * polar[2].cos().max(1e-3)),
+                mean_excess: 0.0,
+            };
+            let around = Surroundings {
+                radar: &self.radar,
+                detection_probability: 1.0,
+                target: Some(amplitudes[0].statistics()),
+                shares: &[],
+                clutter,
+            };
+            let mut rng = generator(seed, Purpose::Clutter, run, scan);
+            Surround::new(&detector).draw(&predictions, &self.rules, &around, &mut rng, &mut self.plots);
+            for own in 0..2 {
+                tracks[own] = self.updated(own, joint, &predictions, &amplitudes, clutter);
+            }
+            let truth = [0, 1].map(|i: usize| drones[i].at(f64::from(scan)));
+            let mut distances = Vec::with_capacity(4);
+            for (target, truth) in truth.iter().enumerate() {
+                for (track, imm) in tracks.iter().enumerate() {
+                    distances.push((target, track, distance_m(imm.mixture().position(), truth)));
+                }
+            }
+            let (ospa, gospa) = distances_of_sets(2, 2, &distances);
+            outcome.add(&ospa, &gospa);
+            if scan + LAST >= SCANS {
+                let places = tracks.each_ref().map(|track| Vector3::from(track.mixture().position()));
+                let together = (places[0] - places[1]).norm() < FOLLOWS_M;
+                outcome.coalesced += f64::from(u8::from(together)) / f64::from(LAST);
+            }
+            if scan + 1 == SCANS {
+                let end = pair(2, 2, &distances, FOLLOWS_M, |_, _| false).track_of;
+                outcome.changed = end == [Some(1), Some(0)];
+                outcome.lost = end.contains(&None);
+            }
+        }
+        outcome
+    }
+
+    fn updated<F: Fn(&[f64; COORDINATES]) -> FalsePlots + Copy>(
+        &mut self,
+        own: usize,
+        joint: bool,
+        predictions: &[Imm; 2],
+        amplitudes: &[Amplitude; 2],
+        clutter: F,
+    ) -> Imm {
+        let most = self.config.detection_probability;
+        let detection_probability = |of: usize| amplitudes[of].statistics().detection_probability.min(most);
+        let claimant = |of: usize| Claimant {
+            prediction: &predictions[of],
+            time_ns: 0,
+            existence: 1.0 - 1e-6,
+            detection_probability: detection_probability(of),
+            target: Some(amplitudes[of].statistics()),
+        };
+        self.shares.clear();
+        if joint {
+            let rivals = std::iter::once(claimant(1 - own));
+            let inflation = self.rules.inflation;
+            self.sharing.share(&claimant(own), rivals, &self.plots, clutter, inflation, &mut self.shares);
+        }
+        let surroundings = Surroundings {
+            radar: &self.radar,
+            detection_probability: detection_probability(own),
+            target: Some(amplitudes[own].statistics()),
+            shares: &self.shares,
+            clutter,
+        };
+        update(&predictions[own], 0, &self.plots, &surroundings, &self.rules, &mut self.workspace).posterior
+    }
+}
