@@ -22,7 +22,7 @@ use std::process::ExitCode;
 use common::config::ChainConfig;
 use common::process::{BadInput, EXIT_CHECK_BROKEN};
 use common::report::{Blocks, Percentiles, Report, Soak};
-use evaluation::simultaneous::bonferroni;
+use evaluation::simultaneous::sidak;
 use evaluation::{Estimate, mean, poisson};
 
 /// Stretches that a run is cut into, at least: as few as intervals can be made of, hence as long as can be.
@@ -122,7 +122,7 @@ fn difference(before: Option<&ChainConfig>, after: Option<&ChainConfig>) -> Opti
 /// All figures of all latencies that the earlier run has.
 fn latencies(before: &Report, after: &Report, tolerance: f64) -> Vec<Row> {
     let (Some(old), Some(new)) = (&before.soak, &after.soak) else { return Vec::new() };
-    let level = bonferroni(LEVEL, FIGURES * old.blocks.len());
+    let level = sidak(LEVEL, FIGURES * old.blocks.len());
     let mut rows = Vec::new();
     for (name, earlier) in &old.blocks {
         let whole = |report: &Report| report.latency_us.get(name).copied().unwrap_or_default();

@@ -41,8 +41,11 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     // Subscribed first: what arrives while an earlier part is read waits in the queues.
     let inputs = Inputs::new(&station, &chain)?;
     let mut recorder = Recorder::new(&chain, session)?;
-    let wakes = [station.wake(Topic::Tracks)?, station.wake(Topic::Plots)?, station.wake(Topic::Dwells)?];
-    let wakes: Vec<_> = wakes.iter().take(if chain.recorder.dwells { 3 } else { 2 }).collect();
+    // Only of what it takes: each listener costs the sender of an event a call of the system.
+    let topics = [Topic::Tracks, Topic::Plots, Topic::Dwells];
+    let topics = &topics[..if chain.recorder.dwells { 3 } else { 2 }];
+    let wakes = topics.iter().map(|&topic| station.wake(topic)).collect::<Result<Vec<_>, _>>()?;
+    let wakes: Vec<_> = wakes.iter().collect();
     let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
 
     attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
