@@ -12,8 +12,9 @@
 //! bytes, read once for the index and once for the gates, and 100 are the index: 2.7 kB. 1000 tracks stay in the second-level cache (99 GB/s in
 //! place on the machine of `docs/adr/0010`); 10,000 and more do not. There one core reads 11.6 GB/s and moves 19.8 in place, so that a
 //! track cannot take less than 0.19 µs for its memory alone, which is 0.4 times what all of it takes from the cache: time per track grows where the bank leaves the
-//! cache, unless all loads were hidden behind arithmetic. It does grow, from 0.46 µs at 1000 tracks over 0.67 to 0.87 µs, and about
-//! half of that growth is not explained by bandwidth.
+//! cache, unless all loads were hidden behind arithmetic. It does grow, from 0.42 µs at 1000 tracks over 0.66 (10,000) to 0.83 µs (100,000), and
+//! about half of that growth is not explained by bandwidth. The translation of addresses is a tenth of it: with huge pages
+//! (`GLIBC_TUNABLES=glibc.malloc.hugetlb=1`) the three are 0.41, 0.62 and 0.79 µs.
 //!
 //! `plot_index` is the index alone: sorting, and one window of four expected plots about each plot.
 //!

@@ -37,7 +37,7 @@ impl Radar {
 }
 
 /// The gate of one mode.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Gate {
     /// (r*, β*, ε*, ṙ*).
     pub centre: [f64; COORDINATES],

@@ -11,10 +11,11 @@
 use common::config::Association;
 
 use crate::association::{FalsePlots, Rules, Selection, Surroundings, select, weigh};
-use crate::batch::{Block, Candidates, Forecast, Kernel, LANES, Weights};
-use crate::imm::Imm;
+use crate::batch::{Block, Candidates, Forecast, Kernel, LANES, Step, Weights};
+use crate::imm::{Imm, transition};
 use crate::measurement::{COORDINATES, Measurement};
 use crate::motion::MODES;
+use crate::track::{Meeting, Passage};
 use crate::update::{Outcome, Workspace};
 
 /// A track, as [`crate::update::update`] takes it.
@@ -37,6 +38,7 @@ pub struct Group {
     candidates: Candidates,
     weights: Weights,
     posterior: Block,
+    step: Step,
     /// Selection and D/ρ_c by lane.
     chosen: Vec<(Selection, f64)>,
 }
@@ -57,7 +59,7 @@ impl Group {
         workspaces: &mut [Workspace; LANES],
         outcomes: &mut Vec<Outcome>,
     ) {
-        let Self { forecast, candidates, weights, posterior, chosen } = self;
+        let Self { forecast, candidates, weights, posterior, chosen, .. } = self;
         for (lane, member) in members.clone().enumerate() {
             forecast.prediction.load(lane, member.prediction);
         }
@@ -66,9 +68,9 @@ impl Group {
         chosen.clear();
         for (lane, (member, workspace)) in members.clone().zip(workspaces.iter_mut()).enumerate() {
             let Member { prediction, time_ns, plots, surroundings } = member;
-            let found = &mut workspace.candidates;
-            let gates = forecast.gates(lane, rules.alpha);
-            let selection = select(prediction, &gates, time_ns, plots, &surroundings, rules, found);
+            let Workspace { candidates: found, gates, .. } = &mut *workspace;
+            *gates = forecast.gates(lane, rules.alpha);
+            let selection = select(prediction, gates, time_ns, plots, &surroundings, rules, found);
             let per_density =
                 surroundings.detection_probability / weigh(&selection, &surroundings, plots, rules, found);
             candidates.set_none(lane, selection.missed());
@@ -81,6 +83,31 @@ impl Group {
         for (lane, (member, workspace)) in members.zip(workspaces).enumerate() {
             let (selection, per_density) = chosen[lane];
             outcomes.push(outcome(lane, member.prediction, selection, per_density, weights, posterior, workspace));
+        }
+    }
+}
+
+impl Group {
+    /// Predicts at most [`LANES`] tracks to their meetings with the beam and hands each passage to `take`, as
+    /// [`Kinematics::passage`](crate::track::Kinematics::passage) does one by one.
+    pub fn predict<'a>(
+        &mut self,
+        kernel: &Kernel,
+        stay: f64,
+        period_s: f64,
+        tracks: impl Iterator<Item = (&'a Imm, Meeting)> + Clone,
+        mut take: impl FnMut(usize, Passage),
+    ) {
+        let Self { forecast, posterior, step, .. } = self;
+        for (lane, (track, meeting)) in tracks.clone().enumerate() {
+            posterior.load(lane, track);
+            step.set(lane, meeting.step_s(), &transition(stay, meeting.step_s()));
+        }
+        kernel.predict(posterior, step, forecast);
+        for (lane, (_, meeting)) in tracks.enumerate() {
+            let gates = forecast.gates(lane, kernel.alpha);
+            let prediction = forecast.prediction.store(lane);
+            take(lane, Passage::new(prediction, &gates, meeting.to_ns, meeting.angle_rad, period_s));
         }
     }
 }

@@ -78,7 +78,15 @@ struct Candidates {
 impl Hypotheses {
     /// One certain hypothesis; at most `most` are kept after a scan.
     pub fn new(imm: &Imm, most: usize) -> Self {
-        Self { kept: vec![Hypothesis::new(0.0, imm)], most }
+        let mut hypotheses = Self { kept: Vec::with_capacity(most), most };
+        hypotheses.restart(imm);
+        hypotheses
+    }
+
+    /// Begins again with one certain hypothesis.
+    pub fn restart(&mut self, imm: &Imm) {
+        self.kept.clear();
+        self.kept.push(Hypothesis::new(0.0, imm));
     }
 
     /// Number of hypotheses.
@@ -115,10 +123,12 @@ impl Hypotheses {
         workspace: &mut Workspace,
         room: &mut Room,
     ) -> Outcome {
-        let (selection, evidence, alone) = self.branch(time_ns, plots, surroundings, rules, room);
+        let (selection, evidence, alone) = self.branch(time_ns, plots, surroundings, rules, workspace, room);
         workspace.candidates.clear();
         workspace.weights.clear();
-        room.children.sort_by(|a, b| b.ln_weight.total_cmp(&a.ln_weight));
+        room.children.sort_unstable_by(|a, b| {
+            b.ln_weight.total_cmp(&a.ln_weight).then((a.parent, a.plot).cmp(&(b.parent, b.plot)))
+        });
         let least = room.children[0].ln_weight - DROPPED;
         room.children.retain(|child| child.ln_weight >= least);
         room.children.truncate(CHILDREN_PER_KEPT * self.most);
@@ -154,7 +164,7 @@ impl Hypotheses {
         }
     }
 
-    /// Fills `room` with the children of every hypothesis; the selection is that of the best one. Second and third are the
+    /// Fills `room` with the children of every hypothesis; selection and gates are those of the best one. Second and third are the
     /// evidence for a target among other tracks, and as if there were none.
     fn branch<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
         &self,
@@ -162,6 +172,7 @@ impl Hypotheses {
         plots: &[Measurement],
         surroundings: &Surroundings<'_, F>,
         rules: &Rules,
+        workspace: &mut Workspace,
         room: &mut Room,
     ) -> (Selection, f64, f64) {
         let Room { expected, children, own, .. } = room;
@@ -173,6 +184,9 @@ impl Hypotheses {
             let imm = &hypothesis.imm;
             let expects: [Expected; MODES] = std::array::from_fn(|j| Expected::new(j, &imm.modes[j]));
             let gates = expects.each_ref().map(|expected| Gate::new(expected, surroundings.radar, rules.alpha));
+            if parent == 0 {
+                workspace.gates = gates;
+            }
             let selection = select(imm, &gates, time_ns, plots, surroundings, rules, &mut own.candidates);
             let missed = (0..MODES)
                 .map(|j| imm.probability[j] * (1.0 - selection.detection_probability * selection.probability[j]))
@@ -235,7 +249,7 @@ const CHILDREN_PER_KEPT: usize = 4;
 
 /// Adds to the share of a plot.
 fn note(plot: usize, weight: f64, plots: &[Measurement], time_ns: u64, workspace: &mut Workspace) {
-    let Workspace { candidates, weights } = workspace;
+    let Workspace { candidates, weights, .. } = workspace;
     if let Some(index) = candidates.iter().position(|candidate| candidate.plot == plot) {
         weights[index] = weights[index].map(|share| share + weight);
     } else {
@@ -276,7 +290,7 @@ fn mixture(hypotheses: &[Hypothesis]) -> Imm {
 /// ```
 fn merge(born: &mut Vec<Hypothesis>, most: usize, kept: &mut Vec<Hypothesis>) {
     kept.clear();
-    born.sort_by(|a, b| b.ln_weight.total_cmp(&a.ln_weight));
+    heaviest_first(born);
     while !born.is_empty() && kept.len() < most {
         let centre = born[0].place;
         let factor = compared_covariance(&born[0].imm.mixture()).cholesky();
@@ -295,13 +309,19 @@ fn merge(born: &mut Vec<Hypothesis>, most: usize, kept: &mut Vec<Hypothesis>) {
         let imm = if cluster == 1 { born[0].imm } else { mixture(&born[..cluster]) };
         kept.push(Hypothesis::new(ln_weight, &imm));
         born.drain(..cluster);
-        born.sort_by(|a, b| b.ln_weight.total_cmp(&a.ln_weight));
+        heaviest_first(born);
     }
     let total = ln_sum(kept.iter().map(|hypothesis| hypothesis.ln_weight));
     for hypothesis in kept.iter_mut() {
         hypothesis.ln_weight -= total;
     }
-    kept.sort_by(|a, b| b.ln_weight.total_cmp(&a.ln_weight));
+    heaviest_first(kept);
+}
+
+/// In place: a stable sort would allocate.
+fn heaviest_first(hypotheses: &mut [Hypothesis]) {
+    hypotheses
+        .sort_unstable_by(|a, b| b.ln_weight.total_cmp(&a.ln_weight).then_with(|| a.place[0].total_cmp(&b.place[0])));
 }
 
 fn compared_covariance(gaussian: &Gaussian) -> SMatrix<f64, COMPARED, COMPARED> {

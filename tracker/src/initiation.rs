@@ -31,6 +31,12 @@ impl Reach {
         (angle + 2.0 * REACH * last.variance[1].sqrt()).min(std::f64::consts::FRAC_PI_2)
     }
 
+    /// Ends of the interval of range in which the earlier plot must lie if its variance of range is at most `variance`, m.
+    pub fn range_m(&self, last: &Measurement, step_s: f64, variance: f64) -> [f64; 2] {
+        let reach_m = self.speed_mps * step_s + REACH * (last.variance[0] + variance).sqrt();
+        [last.polar[0] - reach_m, last.polar[0] + reach_m]
+    }
+
     /// Resolution cells in which the earlier plot of a pair may lie: a box of the reach in each coordinate.
     pub fn cells(&self, last: &Measurement, step_s: f64, radar: &Radar) -> f64 {
         let travel_m = self.speed_mps * step_s;

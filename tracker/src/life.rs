@@ -100,6 +100,23 @@ impl Life {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    /// Scans without a plot until a track that was sure ends, each with the evidence `ratio`.
+    fn scans_to_the_end(ratio: f64, config: &TrackerConfig) -> u32 {
+        let mut life = Life::start(0.1, config);
+        for _ in 0..100 {
+            life.observe(50.0, true, config);
+        }
+        assert_eq!(life.state, CONFIRMED);
+        let mut scans = 0;
+        while life.state != TERMINATED {
+            life.observe(ratio, false, config);
+            scans += 1;
+            assert!(life.state == TERMINATED || life.state == COASTING);
+        }
+        scans
+    }
 
     #[test]
     fn certainty_grows_and_fades() {
@@ -111,11 +128,60 @@ mod tests {
         assert_eq!(life.state, CONFIRMED);
         life.observe(0.1, false, &config);
         assert_eq!(life.state, COASTING);
-        let mut scans = 1;
-        while life.state != TERMINATED {
-            life.observe(0.1, false, &config);
-            scans += 1;
+    }
+
+    /// (T20.6): however long it has lived, ln L of about −10 ends a track, soon where D is large and later where it is small.
+    #[test]
+    fn a_lost_track_ends_when_its_score_has_fallen_by_ten() {
+        let config = TrackerConfig { confirmed_misses: 1000, ..TrackerConfig::default() };
+        let odds = |r: f64| (r / (1.0 - r)).ln();
+        let fall = odds(config.survival_probability) - odds(config.delete_existence);
+        assert!((fall - 10.1).abs() < 0.1, "{fall}");
+        for d in [0.95, 0.7, 0.5, 0.3] {
+            let scans = f64::from(scans_to_the_end(1.0 - d, &config));
+            // Survival takes its share where the end is far away.
+            let most = (fall / -(1.0 - d).ln()).ceil();
+            assert!(scans <= most && scans >= 0.75 * most, "D {d}: {scans} of {most}");
         }
-        assert!((3..=8).contains(&scans), "{scans}");
+        assert_eq!(scans_to_the_end(0.05, &config), 4);
+    }
+
+    /// Where nothing is to be seen for certain (D = 0), the count of misses ends it.
+    #[test]
+    fn a_track_that_nothing_speaks_against_ends_by_its_misses() {
+        let config = TrackerConfig::default();
+        assert_eq!(scans_to_the_end(1.0, &config), config.confirmed_misses);
+    }
+
+    proptest! {
+        /// For p = 1 the odds are the exponential of the sum of ln L (T20.6), up to the cap.
+        #[test]
+        fn existence_is_the_score(ratios in prop::collection::vec(0.5..3.0_f64, 1..30), start in 0.01..0.9_f64) {
+            let config = TrackerConfig {
+                survival_probability: 1.0 - 1e-16, delete_existence: 1e-12, tentative_misses: 1000, ..TrackerConfig::default()
+            };
+            let mut life = Life::start(start, &config);
+            let mut score = (start / (1.0 - start)).ln();
+            for ratio in ratios {
+                life.observe(ratio, true, &config);
+                score = (score + ratio.ln()).min((SUREST / (1.0 - SUREST)).ln());
+                let odds = (life.existence / (1.0 - life.existence)).ln();
+                prop_assert!((odds - score).abs() < 1e-6 * score.abs().max(1.0), "{odds} {score}");
+            }
+        }
+
+        /// Any evidence leaves a probability.
+        #[test]
+        fn existence_stays_a_probability(
+            scans in prop::collection::vec((prop_oneof![Just(0.0), Just(f64::MAX), Just(1e-300), 0.0..1e6_f64], any::<bool>()), 1..60),
+            start in 1e-5..0.99_f64,
+        ) {
+            let config = TrackerConfig::default();
+            let mut life = Life::start(start, &config);
+            for (ratio, hit) in scans {
+                life.observe(ratio, hit, &config);
+                prop_assert!((0.0..=SUREST).contains(&life.existence), "{}", life.existence);
+            }
+        }
     }
 }

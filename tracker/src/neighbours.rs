@@ -1,42 +1,134 @@
 //! Who is near a place: squares over east and north, as wide as what counts as near.
 //!
-//! Whoever is near lies in the square of the place or in one of the eight around it. The squares in use are a sorted list:
-//! n log n to build, log n and what is returned to ask. Nothing is allocated once it has grown.
+//! Whoever is near lies in the square of the place or in one of the eight around it. Squares are hashed; those who share a bucket form a
+//! chain. Somebody who moves is taken out of one chain and put into another, so nobody else is looked at, and to ask costs nine buckets
+//! and what is returned. Nothing is allocated once it has grown.
+
+/// The end of a chain.
+const END: u32 = u32::MAX;
 
 /// Places with a label each.
 #[derive(Debug, Clone, Default)]
 pub struct Neighbours {
     reach_m: f64,
-    /// By square.
+    /// First of the chain of each bucket; as many as a power of two.
+    buckets: Vec<u32>,
+    /// By label.
     places: Vec<Place>,
+    count: usize,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy)]
 struct Place {
     /// East, north.
     square: [i64; 2],
-    label: u32,
+    next: u32,
+    previous: u32,
+    is_taken: bool,
+}
+
+impl Place {
+    const FREE: Self = Self { square: [0; 2], next: END, previous: END, is_taken: false };
 }
 
 impl Neighbours {
-    /// Takes positions (m, east and north first) in place of those before; less than `reach_m` > 0 away is near.
-    pub fn build(&mut self, reach_m: f64, places: impl Iterator<Item = ([f64; 3], u32)>) {
+    /// Forgets all; from now on less than `reach_m` > 0 away is near.
+    pub fn clear(&mut self, reach_m: f64) {
         self.reach_m = reach_m;
+        self.buckets.fill(END);
         self.places.clear();
-        self.places.extend(places.map(|(position, label)| Place { square: square(position, reach_m), label }));
-        self.places.sort_unstable();
+        self.count = 0;
     }
 
-    /// Labels of all that are near `position`, once for each place of theirs, and of some that are not.
+    /// Less than this is near, m.
+    pub fn reach_m(&self) -> f64 {
+        self.reach_m
+    }
+
+    /// Puts `label` to a position (m, east and north first), wherever it was before.
+    pub fn put(&mut self, label: u32, position: [f64; 3]) {
+        let square = square(position, self.reach_m);
+        let index = label as usize;
+        if index >= self.places.len() {
+            self.places.resize(index + 1, Place::FREE);
+        }
+        if self.places[index].is_taken {
+            if self.places[index].square == square {
+                return;
+            }
+            self.remove(label);
+        }
+        self.places[index] = Place { square, is_taken: true, ..Place::FREE };
+        self.count += 1;
+        if self.count > self.buckets.len() {
+            self.spread();
+        } else {
+            self.link(label);
+        }
+    }
+
+    /// Takes `label` away, if it is there.
+    pub fn remove(&mut self, label: u32) {
+        let Some(&Place { square, next, previous, is_taken: true }) = self.places.get(label as usize) else { return };
+        if previous == END {
+            let bucket = self.bucket(square);
+            self.buckets[bucket] = next;
+        } else {
+            self.places[previous as usize].next = next;
+        }
+        if next != END {
+            self.places[next as usize].previous = previous;
+        }
+        self.places[label as usize] = Place::FREE;
+        self.count -= 1;
+    }
+
+    /// Labels of all that are near `position`, and of some that are not, in no order.
     pub fn near(&self, position: [f64; 3]) -> impl Iterator<Item = u32> {
         let [east, north] = square(position, self.reach_m);
-        [-1, 0, 1].into_iter().flat_map(move |step| {
-            let column = east.saturating_add(step);
-            let first = [column, north.saturating_sub(1)];
-            let last = [column, north.saturating_add(1)];
-            let from = self.places.partition_point(|place| place.square < first);
-            self.places[from..].iter().take_while(move |place| place.square <= last).map(|place| place.label)
+        let steps = if self.count == 0 { 0 } else { 9 };
+        (0..steps).flat_map(move |step| {
+            let square = [east.saturating_add(step / 3 - 1), north.saturating_add(step % 3 - 1)];
+            let mut label = self.buckets[self.bucket(square)];
+            std::iter::from_fn(move || {
+                while label != END {
+                    let (found, place) = (label, self.places[label as usize]);
+                    label = place.next;
+                    if place.square == square {
+                        return Some(found);
+                    }
+                }
+                None
+            })
         })
+    }
+
+    fn link(&mut self, label: u32) {
+        let bucket = self.bucket(self.places[label as usize].square);
+        let next = std::mem::replace(&mut self.buckets[bucket], label);
+        if next != END {
+            self.places[next as usize].previous = label;
+        }
+        self.places[label as usize].next = next;
+    }
+
+    /// Doubles the buckets.
+    fn spread(&mut self) {
+        let buckets = (2 * self.count).next_power_of_two();
+        self.buckets.clear();
+        self.buckets.resize(buckets, END);
+        for label in 0..self.places.len() {
+            if self.places[label].is_taken {
+                self.places[label].previous = END;
+                self.link(label as u32);
+            }
+        }
+    }
+
+    fn bucket(&self, square: [i64; 2]) -> usize {
+        // The upper bits of a product depend on all of a factor's.
+        let mixed = (square[0] as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (square[1] as u64);
+        (mixed.wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 32) as usize & (self.buckets.len() - 1)
     }
 }
 
@@ -50,20 +142,35 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Against looking at everybody.
+        /// Against looking at everybody, after some have moved and some have gone.
         #[test]
         fn all_that_are_near_are_found_and_nobody_far(
-            places in prop::collection::vec([-2e3..2e3_f64, -2e3..2e3_f64, 0.0..10.0_f64], 0..200),
+            moves in prop::collection::vec((0_u32..60, [-2e3..2e3_f64, -2e3..2e3_f64, 0.0..10.0_f64], 0..4), 0..300),
             position in [-2e3..2e3_f64, -2e3..2e3_f64, 0.0..10.0_f64],
             reach_m in 1.0..1000.0_f64,
         ) {
             let mut neighbours = Neighbours::default();
-            neighbours.build(1.0, places.iter().copied().zip(0..).take(3)); // the list is reused
-            neighbours.build(reach_m, places.iter().copied().zip(0..));
+            neighbours.clear(1.0);
+            neighbours.put(3, position);
+            neighbours.clear(reach_m);
+            let mut places = [None; 60];
+            for (label, place, kind) in moves {
+                if kind == 0 {
+                    neighbours.remove(label);
+                    places[label as usize] = None;
+                } else {
+                    neighbours.put(label, place);
+                    places[label as usize] = Some(place);
+                }
+            }
             let found: Vec<u32> = neighbours.near(position).collect();
             for (place, label) in places.iter().zip(0..) {
-                let apart = [0, 1].map(|axis: usize| (place[axis] - position[axis]).abs());
                 let times = found.iter().filter(|found| **found == label).count();
+                let Some(place) = place else {
+                    prop_assert!(times == 0);
+                    continue;
+                };
+                let apart = [0, 1].map(|axis: usize| (place[axis] - position[axis]).abs());
                 prop_assert!(times <= 1);
                 prop_assert!(times == 1 || apart[0].hypot(apart[1]) >= reach_m);
                 prop_assert!(times == 0 || apart.iter().all(|apart| *apart <= 2.0 * reach_m));
@@ -74,8 +181,12 @@ mod tests {
     #[test]
     fn impossible_places_are_no_reason_to_stop() {
         let mut neighbours = Neighbours::default();
-        neighbours.build(300.0, [[f64::NAN; 3], [f64::INFINITY; 3], [f64::MIN; 3], [0.0; 3]].into_iter().zip(0..));
-        assert!(neighbours.near([f64::MAX; 3]).count() < 4);
+        neighbours.clear(300.0);
+        for (place, label) in [[f64::NAN; 3], [f64::INFINITY; 3], [f64::MIN; 3], [0.0; 3]].into_iter().zip(0..) {
+            neighbours.put(label, place);
+        }
+        // Saturated squares are asked for once each way.
+        assert!(neighbours.near([f64::MAX; 3]).all(|label| label == 1));
         assert!(neighbours.near([10.0; 3]).any(|label| label == 3));
     }
 }

@@ -98,7 +98,7 @@ impl PlotIndex {
 
     /// The plots in all cells that `window` touches, a slice of indices for each azimuth bin: every plot in the window, once,
     /// and some beside it.
-    pub fn near(&self, window: &Window) -> impl Iterator<Item = &[u32]> {
+    pub fn near<'a>(&'a self, window: &Window) -> impl Iterator<Item = &'a [u32]> + use<'a> {
         let [from_m, to_m] = window.range_m;
         let half = window.half_azimuth_rad + MARGIN;
         let any = from_m <= to_m && half >= 0.0 && window.azimuth_rad.is_finite() && !self.order.is_empty();

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use crate::measurement::Measurement;
+use crate::roster::Handle;
 
 /// Plots older than this behind the newest are dropped, turns.
 const KEPT_TURNS: f64 = 1.6;
@@ -24,7 +25,7 @@ pub struct Entry {
     /// How far any track claims it: the largest weight times existence.
     pub claimed: f64,
     /// The strongest track that took it as its best plot, or the one that it started.
-    pub owner: Option<u64>,
+    pub owner: Option<Handle>,
 }
 
 /// The plots.
@@ -94,14 +95,11 @@ impl PlotStore {
         &mut self.entries[index]
     }
 
-    /// The next plot before `angle_rad` about which all tracks have had their say; each is returned once.
-    pub fn settle(&mut self, angle_rad: f64) -> Option<usize> {
-        let index = self.settled;
-        let ready = self.entries.get(index).is_some_and(|entry| entry.angle_rad < angle_rad);
-        ready.then(|| {
-            self.settled += 1;
-            index
-        })
+    /// The plots before `angle_rad`, about which all tracks have had their say; each is returned once.
+    pub fn settle(&mut self, angle_rad: f64) -> Range<usize> {
+        let first = self.settled;
+        self.settled += self.entries[first..].partition_point(|entry| entry.angle_rad < angle_rad);
+        first..self.settled
     }
 }
 

@@ -132,6 +132,7 @@ impl Site {
             existence: track.life.existence,
             detection_probability: self.detection_probability(config, &track.amplitude),
             target: self.statistics(&track.amplitude),
+            seen_apart: track.is_seen_apart(config),
         }
     }
 }

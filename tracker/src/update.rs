@@ -21,23 +21,25 @@ use crate::motion::{DIMENSIONS, MODES};
 use crate::state::{Gaussian, at};
 
 /// Room for one update, reused: nothing is allocated per scan once it has grown.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Workspace {
     /// Plots in the gate.
     pub candidates: Vec<Candidate>,
     /// w_jm by candidate, then mode.
     pub weights: Vec<[f64; MODES]>,
+    /// The modes' gates.
+    pub gates: [Gate; MODES],
+}
+
+impl Default for Workspace {
+    fn default() -> Self {
+        // More than gates hold as a rule: one of several workspaces may not meet its largest gate for long.
+        let (candidates, weights) = (Vec::with_capacity(64), Vec::with_capacity(64));
+        Self { candidates, weights, gates: [Gate::default(); MODES] }
+    }
 }
 
 impl Workspace {
-    /// The plot that would have the largest weight without other tracks; `claims` are plots and weights with them.
-    pub(crate) fn best_alone(&self, claims: &[(usize, f64)]) -> Option<(usize, f64)> {
-        let alone = |(candidate, claim): (&Candidate, &(usize, f64))| {
-            (candidate.plot, if candidate.ratio > 0.0 { claim.1 * (candidate.alone / candidate.ratio) } else { 0.0 })
-        };
-        self.candidates.iter().zip(claims).map(alone).reduce(|a, b| if b.1 > a.1 { b } else { a })
-    }
-
     /// The plot of largest Σ_j W_j w_jm (the first of equals) and that weight, W being those of `posterior`.
     pub(crate) fn best(&self, posterior: &Imm) -> Option<(usize, f64)> {
         let mut best: Option<(usize, f64)> = None;
@@ -93,9 +95,9 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
     workspace: &mut Workspace,
 ) -> Outcome {
     let expected: [Expected; MODES] = std::array::from_fn(|j| Expected::new(j, &prediction.modes[j]));
-    let Workspace { candidates, weights } = workspace;
-    let gates = expected.each_ref().map(|expected| Gate::new(expected, surroundings.radar, rules.alpha));
-    let selection = select(prediction, &gates, time_ns, plots, surroundings, rules, candidates);
+    let Workspace { candidates, weights, gates } = workspace;
+    *gates = expected.each_ref().map(|expected| Gate::new(expected, surroundings.radar, rules.alpha));
+    let selection = select(prediction, gates, time_ns, plots, surroundings, rules, candidates);
     let plots_in_gate = candidates.len();
     let density = weigh(&selection, surroundings, plots, rules, candidates);
     let hard = matches!(rules.association, Association::Nearest | Association::Strongest);

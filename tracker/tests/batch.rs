@@ -29,6 +29,8 @@ const CELL: [f64; COORDINATES] = [69.3, 0.006, 0.006, 34.6];
 const ALPHA: f64 = 3.0;
 /// Largest disagreement.
 const TOLERANCE: f64 = 1e-12;
+/// Roundings of a size that two ways to compute an exponent may differ by.
+const ROUNDINGS: f64 = 16.0;
 
 fn radar(full: bool) -> Radar {
     Radar { variance: SIGMA.map(|sigma| sigma * sigma), cell: CELL, measured: [true, true, full, full] }
@@ -142,6 +144,7 @@ fn instructions() -> Vec<Arch> {
 /// their own or shared, times of their own, in some runs elevation or range rate missing.
 #[test]
 fn a_pass_is_the_plain_code() {
+    let (mut compared, mut to_tolerance) = (0_u32, 0_u32);
     for run in 0..48 {
         let mut rng = generator(3, Purpose::Test, run, 0);
         let (full, lanes) = (run % 3 != 0, 1 + run as usize % LANES);
@@ -206,11 +209,29 @@ fn a_pass_is_the_plain_code() {
                 let posterior = plain::update(&predictions[lane], &choices[lane], misses[lane], inflation);
                 assert_same(&block.store(lane), &posterior.imm, &predictions[lane], &what);
                 for j in 0..MODES {
-                    let relative = |a: f64, b: f64| (a - b).abs() / b.abs().max(1e-200);
-                    assert!(relative(weights.likelihood[j].0[lane], posterior.likelihood[j]) < 1e-9, "{what}");
-                    assert!((weights.none[j].0[lane] - posterior.none[j]).abs() < 1e-11, "{what}");
-                    for (rows, plots) in weights.plots.iter().zip(&posterior.plots) {
-                        assert!((rows[j].0[lane] - plots[j]).abs() < 1e-11, "{what}");
+                    // 10⁻¹², or what the exponent's size and the condition of D leave of sixteen digits.
+                    let tolerance = |growth: f64| TOLERANCE.max(ROUNDINGS * f64::EPSILON * growth);
+                    let within =
+                        |a: f64, b: f64, tolerance: f64| (a - b).abs() <= tolerance * b.abs() + f64::MIN_POSITIVE;
+                    let of_sum: f64 = posterior
+                        .plots
+                        .iter()
+                        .zip(&posterior.growth)
+                        .map(|(weight, growth)| weight[j] * growth[j])
+                        .sum();
+                    let (a, b) = (weights.likelihood[j].0[lane], posterior.likelihood[j]);
+                    assert!(within(a, b, tolerance(of_sum)), "{what}: L {a} {b}, {of_sum}");
+                    let (a, b) = (weights.none[j].0[lane], posterior.none[j]);
+                    assert!(within(a, b, tolerance(of_sum)), "{what}: none {a} {b}, {of_sum}");
+                    for ((rows, plots), growth) in weights.plots.iter().zip(&posterior.plots).zip(&posterior.growth) {
+                        let (a, b) = (rows[j].0[lane], plots[j]);
+                        assert!(
+                            within(a, b, tolerance(of_sum + growth[j])),
+                            "{what}: w {a} {b}, {} {of_sum}",
+                            growth[j]
+                        );
+                        compared += 1;
+                        to_tolerance += u32::from(within(a, b, TOLERANCE));
                     }
                 }
                 // Both go on from the same state: what is bounded is one pass, not the growth of rounding over many.
@@ -219,6 +240,7 @@ fn a_pass_is_the_plain_code() {
             }
         }
     }
+    assert!(f64::from(to_tolerance) > 0.9 * f64::from(compared), "{to_tolerance} of {compared} weights to 10⁻¹²");
 }
 
 /// Centre, variances, widths and volume of every gate.
@@ -344,9 +366,11 @@ proptest! {
                 for track in [block.store(5), plain] {
                     let sum: f64 = track.probability.iter().sum();
                     prop_assert!((sum - 1.0).abs() < 1e-9, "{sum}");
-                    let numbers = track.modes.iter().flat_map(|mode| mode.mean.iter().chain(&mode.covariance));
-                    prop_assert!(numbers.clone().all(|x| x.is_finite()));
                     prop_assert!(track.is_sound() || !forecast.prediction.store(5).is_sound());
+                }
+                if !forecast.prediction.store(5).is_sound() || !plain.is_sound() {
+                    // Plots of 10³⁰⁰ can leave a sound covariance whose prediction overflows: the tracker ends such a track.
+                    break;
                 }
                 for j in 0..MODES {
                     prop_assert!(!weights.likelihood[j].0[5].is_nan());

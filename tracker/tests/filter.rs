@@ -1,5 +1,7 @@
 //! Properties of the filter: whatever comes in, covariances stay symmetric and positive definite and probabilities sum to 1.
 
+use std::f64::consts::FRAC_PI_2;
+
 use common::amplitude::Detector;
 use common::config::{Association, GateRule, Swerling, TrackerConfig};
 use common::geometry::Polar;
@@ -10,6 +12,7 @@ use proptest::prelude::*;
 use rand_distr::{Distribution, StandardNormal};
 use tracker::association::{FalsePlots, Rules, Surroundings};
 use tracker::gate::Radar;
+use tracker::hypotheses::{Hypotheses, Room};
 use tracker::imm::{Imm, transition};
 use tracker::measurement::{COORDINATES, LineOfSight, Measurement, position_covariance};
 use tracker::motion::{DIMENSIONS, MODES, Motion};
@@ -146,6 +149,76 @@ proptest! {
             prop_assert!(outcome.posterior.modes.iter().flat_map(|mode| mode.mean.iter().chain(&mode.covariance)).all(|x| x.is_finite()));
             prop_assert!(!outcome.existence_ratio.is_nan() && !outcome.weight_none.is_nan());
             imm = outcome.posterior;
+        }
+    }
+}
+
+/// Range, azimuth, elevation, range rate, size of the errors, statistic, what is measured.
+type Absurd = (f64, f64, f64, f64, f32, f32, u32);
+
+fn absurd_plots(sizes: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Absurd>> {
+    let plot = (
+        prop_oneof![0.01..1e6_f64, Just(f64::MIN_POSITIVE), Just(1e7)],
+        -6.0..12.0_f64,
+        prop_oneof![-1.57..1.57_f64, Just(FRAC_PI_2), Just(-FRAC_PI_2)],
+        prop_oneof![-1e5..1e5_f64, Just(0.0), Just(1e6), Just(-1e6)],
+        prop_oneof![1e-6..1e4_f32, Just(1e-3)],
+        prop_oneof![0.0..1e6_f32, Just(0.0), Just(9.9e8)],
+        0_u32..8,
+    );
+    prop::collection::vec(plot, sizes)
+}
+
+fn converted(plots: &[Absurd]) -> Vec<Measurement> {
+    let convert = |&(range_m, azimuth_rad, elevation_rad, rate, scale, statistic, flags): &Absurd| {
+        let place = Polar { range_m, azimuth_rad, elevation_rad };
+        Measurement::from_plot(&plot(place, rate, scale, statistic, flags))
+    };
+    plots.iter().filter_map(convert).collect()
+}
+
+proptest! {
+    /// Hypotheses of any finite plots are sound, and their weights sum to 1.
+    #[test]
+    fn no_finite_input_breaks_hypotheses(
+        scans in prop::collection::vec(absurd_plots(0..6), 1..5),
+        start in absurd_plots(2..3),
+        step_s in prop_oneof![1e-3..1e3_f64, Just(1.0)],
+        density in prop_oneof![1e-30..1.0_f64, Just(1e-9)],
+        share in prop_oneof![Just(1.0), Just(0.0), Just(1e-300), 0.0..1.0_f64],
+    ) {
+        let start = converted(&start);
+        prop_assume!(start.len() == 2);
+        let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured: [true; COORDINATES] };
+        let motion = Motion { noise: [1.0, 1.0, 7.0], axes: 3 };
+        let rules = Rules { association: Association::Mht, ..Rules::new(&TrackerConfig::default()) };
+        let target = Detector::new(1e-6, 16).target(Swerling::One, 300.0);
+        let first = two_plots(&start[0], &start[1], step_s, &motion, [0.33, 0.34, 0.33]);
+        prop_assume!(first.is_sound());
+        let (mut workspace, mut room) = (Workspace::default(), Room::default());
+        let mut hypotheses = Hypotheses::new(&first, 6);
+        for plots in &scans {
+            let plots = converted(plots);
+            let shares = vec![share; plots.len()];
+            let surroundings = Surroundings {
+                radar: &radar,
+                detection_probability: target.detection_probability,
+                target: Some(&target),
+                shares: &shares,
+                clutter: |_: &[f64; COORDINATES]| FalsePlots { density, mean_excess: 2.0 },
+            };
+            hypotheses.predict(&transition(0.9, step_s), &motion, step_s);
+            prop_assume!(hypotheses.filters().all(Imm::is_sound));
+            let outcome = hypotheses.update(0, &plots, &surroundings, &rules, &mut workspace, &mut room);
+            prop_assert!(!hypotheses.is_empty() && hypotheses.len() <= 6);
+            for imm in hypotheses.filters().chain([&outcome.posterior]) {
+                prop_assert!(imm.is_sound(), "{imm:?}");
+            }
+            prop_assert!((0.0..=1.0 + 1e-9).contains(&outcome.weight_none), "{}", outcome.weight_none);
+            let sum: f64 = workspace.weights.iter().map(|weight| weight[0]).sum();
+            prop_assert!((sum + outcome.weight_none - 1.0).abs() < 1e-9, "{sum} {}", outcome.weight_none);
+            prop_assert!(!outcome.existence_ratio.is_nan() && outcome.existence_ratio >= 0.0);
+            prop_assert!(!outcome.ratio_alone.is_nan());
         }
     }
 }

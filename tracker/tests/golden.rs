@@ -29,18 +29,41 @@ const AXIS: [usize; 3] = [1, 0, 2];
 fn every_case_agrees() {
     let files = golden_files();
     assert!(!files.is_empty(), "no golden case found");
+    let mut refused = Vec::new();
     for file in files {
         let text = std::fs::read_to_string(&file).expect("readable");
         let case: Value = serde_json::from_str(&text).expect("JSON");
         let check = Check { file: file.display().to_string() };
+        if let Some(reason) = refusal(&case) {
+            refused.push(format!("{}: {reason}", file.display()));
+            continue;
+        }
         match case["op"].as_str() {
             Some("meas_cov") => check.measurement_covariance(&case),
             Some("h_H_gate") => check.measurement_function(&case),
             Some("init") => check.start(&case),
             Some("amp") => check.amplitude(&case),
             Some("scan") => check.scan(&case),
-            other => panic!("{}: unknown op {other:?}", file.display()),
+            other => refused.push(format!("{}: unknown op {other:?}", file.display())),
         }
+    }
+    assert!(refused.is_empty(), "all other cases agree; refused:\n{}", refused.join("\n"));
+}
+
+/// What a case asks for that the filter does not do, on purpose: the source's printed formulas that are wrong (✎ in
+/// `docs/theory/imm-pda.md`), and measures of the gate other than that of (x, y, z, ṙ).
+fn refusal(case: &Value) -> Option<String> {
+    let (cfg, op) = (&case["cfg"], case["op"].as_str());
+    let uses_r = matches!(op, Some("meas_cov" | "init" | "scan"));
+    let volume = &cfg["volume"];
+    if op == Some("scan") && cfg["use_Fi"] == true {
+        Some("use_Fi: F of the source mode; (T3) takes that of the destination mode".into())
+    } else if uses_r && cfg["r_text"] == true {
+        Some("r_text: the printed elements of R are not positive definite; (T6)".into())
+    } else if op == Some("scan") && !(volume.is_null() || volume == "4d") {
+        Some(format!("volume {volume}: V is that of the four gated coordinates, \"4d\"; (T11)"))
+    } else {
+        None
     }
 }
 
@@ -169,9 +192,6 @@ impl Check {
 
     fn scan(&self, case: &Value) {
         let (cfg, input, output) = (&case["cfg"], &case["in"], &case["out"]);
-        assert_ne!(cfg["use_Fi"], true, "{}: F of the source mode is not implemented", self.file);
-        assert_ne!(cfg["r_text"], true, "{}: the printed R is not implemented", self.file);
-        assert!(cfg["volume"].is_null() || cfg["volume"] == "4d", "{}: volume {}", self.file, cfg["volume"]);
         let before = Imm {
             modes: std::array::from_fn(|j| gaussian(&input["u"][j], &input["P"][j])),
             probability: numbers(&input["W"]).try_into().expect("three modes"),

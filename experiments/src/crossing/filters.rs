@@ -148,12 +148,17 @@ impl Filters {
             existence: 1.0 - 1e-6,
             detection_probability: detection_probability(of),
             target: Some(amplitudes[of].statistics()),
+            seen_apart: true,
         };
         self.shares.clear();
+        let plots = self.plots.len();
         if joint {
             let rivals = std::iter::once(claimant(1 - own));
-            let inflation = self.rules.inflation;
-            self.sharing.share(&claimant(own), rivals, &self.plots, clutter, inflation, &mut self.shares);
+            let (radar, inflation) = (&self.radar, self.rules.inflation);
+            let shared = self.sharing.share(&claimant(own), rivals, &self.plots, clutter, radar, inflation);
+            self.shares.extend(shared.shares);
+            self.shares.extend(shared.common.iter().map(|common| common.share));
+            self.plots.extend(shared.common.iter().map(|common| common.measurement));
         }
         let surroundings = Surroundings {
             radar: &self.radar,
@@ -162,6 +167,8 @@ impl Filters {
             shares: &self.shares,
             clutter,
         };
-        update(&predictions[own], 0, &self.plots, &surroundings, &self.rules, &mut self.workspace).posterior
+        let updated = update(&predictions[own], 0, &self.plots, &surroundings, &self.rules, &mut self.workspace);
+        self.plots.truncate(plots);
+        updated.posterior
     }
 }

@@ -28,6 +28,14 @@ pub struct Step {
     pub transition: [[Row; MODES]; MODES],
 }
 
+impl Default for Step {
+    /// No time, in which every track stays in its mode.
+    fn default() -> Self {
+        let stays = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+        Self::splat(0.0, &stays)
+    }
+}
+
 impl Step {
     /// The same for all lanes.
     pub fn splat(dt_s: f64, transition: &Transition) -> Self {

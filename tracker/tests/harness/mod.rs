@@ -90,11 +90,13 @@ pub(crate) struct Turning {
     pub false_plots: u32,
     /// Whether elevation, range rate and statistics are measured.
     pub full: bool,
+    /// Whether two targets within a cell in every coordinate give one plot, between them, of both their powers.
+    pub merges: bool,
 }
 
 impl Default for Turning {
     fn default() -> Self {
-        Self { seed: 1, snr: 100.0, fluctuates: false, pfa: PFA, false_plots: 25, full: true }
+        Self { seed: 1, snr: 100.0, fluctuates: false, pfa: PFA, false_plots: 25, full: true, merges: false }
     }
 }
 
@@ -105,15 +107,16 @@ pub(crate) fn messages(radar: Turning, targets: &[Target], scans: u32) -> Vec<(P
     let threshold = -radar.pfa.ln();
     for scan in 0..scans {
         let mut rng = generator(radar.seed, Purpose::Test, scan, 0);
-        for target in targets {
-            let Some(turned) = passage(*target, scan) else { continue };
-            let time_s = f64::from(scan) + turned;
-            let (position, velocity) = target(time_s);
-            let power = if radar.fluctuates { radar.snr * exponential(&mut rng) } else { radar.snr };
+        let mut echoes: Vec<Echo> = targets.iter().filter_map(|target| Echo::of(*target, scan)).collect();
+        if radar.merges {
+            merge(radar, &mut echoes, &mut rng);
+        }
+        for echo in echoes {
+            let power = echo.power.unwrap_or_else(|| radar.power(&mut rng));
             let q = power + exponential(&mut rng);
             if q > threshold {
-                let plot = measured(radar, time_s, &position, &velocity, q, &mut rng);
-                place(&mut all, plot, time_s);
+                let plot = measured(radar, echo.time_s, &echo.position, &echo.velocity, q, &mut rng);
+                place(&mut all, plot, echo.time_s);
             }
         }
         for _ in 0..radar.false_plots {
@@ -134,6 +137,59 @@ pub(crate) fn messages(radar: Turning, targets: &[Target], scans: u32) -> Vec<(P
         header.flags |= END_OF_STREAM;
     }
     all
+}
+
+impl Turning {
+    fn power(&self, rng: &mut impl Rng) -> f64 {
+        if self.fluctuates { self.snr * exponential(rng) } else { self.snr }
+    }
+}
+
+/// What the beam meets, of one target or of two.
+struct Echo {
+    time_s: f64,
+    position: Vector3<f64>,
+    velocity: Vector3<f64>,
+    /// If it has been drawn.
+    power: Option<f64>,
+}
+
+impl Echo {
+    fn of(target: Target, scan: u32) -> Option<Self> {
+        let time_s = f64::from(scan) + passage(target, scan)?;
+        let (position, velocity) = target(time_s);
+        Some(Self { time_s, position, velocity, power: None })
+    }
+
+    fn is_one_with(&self, other: &Self) -> bool {
+        let [a, b] = [self, other].map(|echo| {
+            let place = Polar::from_enu(&echo.position);
+            [place.range_m, place.azimuth_rad, place.elevation_rad, range_rate_mps(&echo.position, &echo.velocity)]
+        });
+        (0..4).all(|i| (if i == 1 { angle::difference(a[i], b[i]) } else { a[i] - b[i] }).abs() < CELL[i])
+    }
+}
+
+/// Draws all powers, and makes one of two that the radar cannot tell apart.
+fn merge(radar: Turning, echoes: &mut Vec<Echo>, rng: &mut impl Rng) {
+    for echo in echoes.iter_mut() {
+        echo.power = Some(radar.power(rng));
+    }
+    let mut second = 1;
+    while second < echoes.len() {
+        let Some(first) = (0..second).find(|&first| echoes[first].is_one_with(&echoes[second])) else {
+            second += 1;
+            continue;
+        };
+        let other = echoes.remove(second);
+        let echo = &mut echoes[first];
+        let powers = [echo.power, other.power].map(|power| power.unwrap_or(0.0));
+        let share = powers[1] / (powers[0] + powers[1]);
+        echo.time_s += share * (other.time_s - echo.time_s);
+        echo.position += (other.position - echo.position) * share;
+        echo.velocity += (other.velocity - echo.velocity) * share;
+        echo.power = Some(powers[0] + powers[1]);
+    }
 }
 
 /// Into the sector of its azimuth, near the time it was measured.

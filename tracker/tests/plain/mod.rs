@@ -25,6 +25,8 @@ pub(crate) struct Posterior {
     pub none: [f64; MODES],
     /// By candidate, then mode.
     pub plots: Vec<[f64; MODES]>,
+    /// By candidate, then mode: how many times the error of one rounding e_m may be in error, relatively, whoever computes it.
+    pub growth: Vec<[f64; MODES]>,
 }
 
 /// What each mode expects.
@@ -49,8 +51,13 @@ pub(crate) fn is_inside(plot: &Measurement, offset_s: f64, gates: &[Gate; MODES]
 
 /// Weights and moments, with every plot's own posterior written out (T8), (T14).
 pub(crate) fn update(prediction: &Imm, choices: &[Choice], miss: [f64; MODES], inflation: f64) -> Posterior {
-    let mut posterior =
-        Posterior { imm: *prediction, likelihood: miss, none: [1.0; MODES], plots: vec![[0.0; MODES]; choices.len()] };
+    let mut posterior = Posterior {
+        imm: *prediction,
+        likelihood: miss,
+        none: [1.0; MODES],
+        plots: vec![[0.0; MODES]; choices.len()],
+        growth: vec![[1.0; MODES]; choices.len()],
+    };
     for (j, &n) in DIMENSIONS.iter().enumerate() {
         let prior = &prediction.modes[j];
         let expected = Expected::new(j, prior);
@@ -61,6 +68,11 @@ pub(crate) fn update(prediction: &Imm, choices: &[Choice], miss: [f64; MODES], i
                 None => (0.0, Term::none()),
             })
             .collect();
+        for (growth, choice) in posterior.growth.iter_mut().zip(choices) {
+            if let Some(likelihood) = expected.likelihood(&choice.plot, inflation) {
+                growth[j] = growth_of(&likelihood, &expected.innovation(&choice.plot, choice.offset_s), &choice.plot);
+            }
+        }
         let total = miss[j] + terms.iter().map(|(e, _)| e).sum::<f64>();
         if !(total > 0.0 && total < f64::MAX) {
             continue;
@@ -100,6 +112,26 @@ pub(crate) fn update(prediction: &Imm, choices: &[Choice], miss: [f64; MODES], i
         posterior.imm = *prediction;
     }
     posterior
+}
+
+/// e = a N(d; 0, D) depends on the exponent ½ dᵀ D⁻¹ d, which nobody knows better than to κ roundings of its size, κ being the
+/// condition number of D with unit variances (others are rounding errors of the scale, which Cholesky's method does not see), and on |D|,
+/// whose relative error is at most the dimension times κ roundings. And d = y − h is a difference of large numbers: a rounding of y
+/// moves the exponent by |D⁻¹ d| |y|.
+fn growth_of(likelihood: &Likelihood, d: &[f64; COORDINATES], plot: &Measurement) -> f64 {
+    let known: Vec<usize> = (0..COORDINATES).filter(|&i| likelihood.inverse[at(i, i)] > 0.0).collect();
+    let scaled = nalgebra::DMatrix::from_fn(known.len(), known.len(), |i, j| {
+        let (i, j) = (known[i], known[j]);
+        likelihood.inverse[at(i, j)] / (likelihood.inverse[at(i, i)] * likelihood.inverse[at(j, j)]).sqrt()
+    });
+    let eigenvalues = scaled.symmetric_eigenvalues();
+    let condition = eigenvalues.max() / eigenvalues.min().max(f64::EPSILON);
+    let slope = likelihood.solve(*d);
+    let exponent: f64 = 0.5 * d.iter().zip(slope).map(|(d, y)| d * y).sum::<f64>();
+    let [x, y, z] = plot.position;
+    let measured = [x, y, z, plot.polar[3]];
+    let shift: f64 = slope.iter().zip(measured).map(|(slope, y)| (slope * y).abs()).sum();
+    (known.len() as f64 + exponent) * condition + shift
 }
 
 /// What one plot alone would do to the state.
