@@ -164,8 +164,8 @@ impl Space {
         if possible.status.success() {
             return Some(Self { bench: Bench::new() });
         }
-        let needed = std::env::var_os("CI").is_some() || rustix::process::geteuid().is_root();
-        assert!(!needed, "root and checks before landing need namespaces: {}", text_of(&possible));
+        let needed = std::env::var_os("CI").is_some();
+        assert!(!needed, "checks before landing need namespaces: {}", text_of(&possible));
         eprintln!("no namespace can be made here: not tested");
         None
     }
