@@ -70,12 +70,12 @@ enum Command {
         #[arg(long, default_value_t = 0.1, value_name = "SHARE")]
         tolerance: f64,
     },
-    /// Kill random stages of a running chain and check that nothing is lost uncounted
+    /// Run a chain until N of its stages have been killed, at random times, and check that nothing is lost uncounted
     Chaos {
         #[command(flatten)]
         run: RunArgs,
         /// Stages to kill, one after the other
-        #[arg(long, default_value_t = 20, value_name = "N")]
+        #[arg(long, default_value_t = 20, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
         kills: u32,
     },
     /// Look whether this machine is fit for the chain

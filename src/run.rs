@@ -80,13 +80,15 @@ pub(crate) fn launch(
     if Orphans::are_gone(&chain)? {
         Domain::enter(&chain.ipc)?.remove();
     }
-    let end = ended?;
+    let (end, restarts) = ended?;
     match end {
         End::Failed(code) => Ok(Err(ExitCode::from(code))),
         End::Done { broken } => {
             let report = read_report(Path::new(&chain.recorder.report), &chain.run.id)?;
             let lossy = chain.run.mode == Mode::Lossless && report.lost() > 0;
-            let restarted = report.processes.iter().any(|(name, used)| name != NAME && used.restarts > 0);
+            // Restarts of an earlier launcher are in the report; those of a process that has never said a word are not.
+            let restarted =
+                restarts > 0 || report.processes.iter().any(|(name, used)| name != NAME && used.restarts > 0);
             Ok(Ok(Outcome { report, disturbed: broken || restarted, lossy }))
         }
     }
@@ -99,7 +101,11 @@ pub(crate) fn run_id() -> String {
 }
 
 /// Runs the processes to their end.
-fn supervise(chain: &ChainConfig, orphans: Option<&Orphans>, companion: &mut dyn Companion) -> anyhow::Result<End> {
+fn supervise(
+    chain: &ChainConfig,
+    orphans: Option<&Orphans>,
+    companion: &mut dyn Companion,
+) -> anyhow::Result<(End, u32)> {
     let (mut post, wake) = Post::take(NAME, chain)?;
     let file = Domain::root(&chain.ipc).join("chain.toml");
     std::fs::write(&file, chain.to_toml()).with_context(|| format!("writing {}", file.display()))?;
@@ -132,7 +138,7 @@ fn supervise(chain: &ChainConfig, orphans: Option<&Orphans>, companion: &mut dyn
     screen.clear();
     supervisor.kill_all();
     held?;
-    Ok(end.unwrap_or(End::Done { broken: supervisor.restarts() > 0 }))
+    Ok((end.unwrap_or(End::Done { broken: false }), supervisor.restarts()))
 }
 
 /// Finds out before the run whether its report can be written.

@@ -53,7 +53,7 @@ impl Screen {
         if self.terminal {
             self.draw(&format!("{left}{}", picture(chain, board)));
         } else {
-            common::process::say(&format!("{left}{}", line(chain, board)));
+            common::process::tell(&format!("{left}{}", line(chain, board)));
         }
     }
 

@@ -107,6 +107,9 @@ impl Supervisor {
                 }
                 Event::Refused => return Ok(Some(End::Failed(EXIT_BAD_USAGE))),
                 Event::Died(signal) => {
+                    if name.is_source() && said_end {
+                        self.ending_since.get_or_insert_with(Instant::now); // it had sent everything
+                    }
                     if self.ending_since.is_some() {
                         // Nothing would tell a new one that it is the end.
                         if !name.is_source() {
@@ -153,7 +156,9 @@ impl Supervisor {
             for stage in self.stages.iter_mut().filter(|stage| !stage.has_ended()) {
                 screen.say(&format!("{} has not ended within {} s", stage.name.name(), self.chain.supervision.drain_s));
                 if stage.name == StageName::Recorder {
-                    stage.signal(Signal::TERM);
+                    if !self.told {
+                        stage.signal(Signal::TERM); // a second one would end it at once
+                    }
                 } else {
                     stage.kill();
                 }
@@ -249,7 +254,9 @@ fn note_tracker_start(folder: &Path) -> u64 {
 
 /// The scan after the last one that anybody has seen.
 pub(crate) fn next_scan(board: &Board, chain: &ChainConfig) -> u32 {
-    let at_work = board.all().filter(|(_, health, _)| health.messages_out > 0 || health.scan > 0);
+    // The recorder counts scans that are over.
+    let stages = board.all().filter(|&(name, ..)| name != StageName::Recorder.name());
+    let at_work = stages.filter(|(_, health, _)| health.messages_out > 0 || health.scan > 0);
     let seen = at_work.map(|(_, health, _)| health.scan).max();
     seen.map_or(chain.run.first_scan, |scan| scan + 1)
 }

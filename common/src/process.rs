@@ -131,6 +131,19 @@ pub fn say(line: &str) {
         tracing::warn!("{line}");
         return;
     }
+    write_line(line);
+}
+
+/// As [`say`], for what is worth no warning: how far the work has come.
+pub fn tell(line: &str) {
+    if logging::is_for_programs() {
+        tracing::info!("{line}");
+    } else {
+        write_line(line);
+    }
+}
+
+fn write_line(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 

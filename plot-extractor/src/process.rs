@@ -70,7 +70,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             reporter.publish()?;
         }
         // Asked to stop, it still works off what the source sends until its last dwell.
-        let abandoned = stop_requested() && dwells.publishers() == 0;
+        let abandoned = !turn.is_over() && stop_requested() && dwells.publishers() == 0;
         Ok(if ended || abandoned { Flow::End } else { turn.flow() })
     })?;
     publisher.linger();

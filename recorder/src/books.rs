@@ -83,7 +83,10 @@ impl Books {
             let span = self.spans[Topic::Plots as usize].map_or(0, |(_, last)| (last + 1).saturating_sub(first_sector));
             let published: u64 = self.published[Topic::Plots as usize].values().sum();
             let passed = (self.tracker.passed - first_sector).max(span);
-            enter(Topic::Plots, "tracker", passed - span.saturating_sub(published), self.tracker.taken());
+            let never_sent = span.saturating_sub(published);
+            // Of a session's end that neither a message nor a health report has told, only the tracker knows.
+            let taken = self.tracker.taken();
+            enter(Topic::Plots, "tracker", passed.saturating_sub(never_sent).max(taken), taken);
         }
         for topic in [Topic::Dwells, Topic::Plots, Topic::Tracks, Topic::Truth] {
             let Some((first, last)) = self.spans[topic as usize] else { continue };

@@ -154,7 +154,7 @@ impl Recorder {
             let refuse = |error| BadInput(format!("log of latencies {}: {error}", chain.soak.log));
             fold.log_latencies(opened.map_err(refuse)?);
         }
-        let place = ReportPlace::reserve(Path::new(&chain.recorder.report))?;
+        let place = ReportPlace::reserve(Path::new(&chain.recorder.report), &chain.ipc.prefix)?;
         Ok(Self { fold, recording, gaps: Vec::new(), place, ended: false, ended_at: None })
     }
 

@@ -22,16 +22,17 @@ pub(crate) struct ReportPlace {
 }
 
 impl ReportPlace {
-    /// Takes room beside the report `path`. A disk that is full already is met when the report is written.
+    /// Takes room beside the report `path` of the chain with the prefix `chain`. A disk that is full already is met when the report is written.
     ///
     /// # Errors
     /// [`BadInput`] if no file can be made there.
-    pub(crate) fn reserve(path: &Path) -> Result<Self, BadInput> {
+    pub(crate) fn reserve(path: &Path, chain: &str) -> Result<Self, BadInput> {
         let refuse = |error: std::io::Error| BadInput(format!("cannot write report {}: {error}", path.display()));
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(refuse)?;
         }
-        let draft = path.with_extension("json.tmp");
+        // Of its own: another chain may write its report to the same place.
+        let draft = path.with_extension(format!("json.{chain}.tmp"));
         let file = File::create(&draft).map_err(refuse)?;
         if let Err(error) = fallocate(&file, FallocateFlags::empty(), 0, ROOM_BYTES) {
             tracing::warn!("no room was taken for report {}: {error}", path.display());

@@ -77,7 +77,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             reporter.publish()?;
         }
         // Asked to stop, it still works off what is sent until the last plots.
-        let abandoned = stop_requested() && plots.publishers() == 0;
+        let abandoned = !turn.is_over() && stop_requested() && plots.publishers() == 0;
         Ok(if ended || abandoned { Flow::End } else { turn.flow() })
     })?;
     publisher.linger();

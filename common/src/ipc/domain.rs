@@ -66,7 +66,8 @@ impl Domain {
 
     /// Folder of the domain's management files.
     pub fn root(ipc: &IpcConfig) -> PathBuf {
-        let root = std::path::absolute(&ipc.root).unwrap_or_else(|_| PathBuf::from(&ipc.root));
+        let given = PathBuf::from(&ipc.root);
+        let root = given.canonicalize().or_else(|_| std::path::absolute(&given)).unwrap_or(given);
         root.join(format!("radar-chain-{}", ipc.prefix))
     }
 

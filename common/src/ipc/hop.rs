@@ -92,11 +92,8 @@ impl HopReceiver {
             while let Some(sample) = self.subscriber.receive().map_err(|cause| failed(&cause))? {
                 arrived(sample.user_header().0, monotonic_ns());
             }
-            let drain = |_| {
-                let _ = self.listener.try_wait(|_| {});
-                CallbackProgression::Continue
-            };
-            let _ = wait_set.wait_and_process_once_with_timeout(drain, TICK);
+            let _ = wait_set.wait_and_process_once_with_timeout(|_| CallbackProgression::Continue, TICK);
+            let _ = self.listener.try_wait(|_| {}); // also after a sleep that nobody ended: see `Wake`
         }
         Ok(())
     }

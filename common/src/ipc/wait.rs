@@ -36,8 +36,13 @@ impl Wake {
         Ok(Self { listener, topic })
     }
 
+    /// Takes all events. One that is sent while others are taken can lose its call to wake up and keep its mark, for
+    /// which no later one of its kind calls: so until there is none, and after every sleep, also one that nobody ended.
     fn drain(&self) {
-        let _ = self.listener.try_wait(|_| {});
+        let mut found = true;
+        while std::mem::take(&mut found) {
+            let _ = self.listener.try_wait(|_| found = true);
+        }
     }
 }
 
@@ -214,14 +219,12 @@ fn sleep_until_woken<E: From<IpcError>>(
                     watchdog.missed();
                 } else {
                     watchdog.input();
-                    for wake in wakes {
-                        wake.drain();
-                    }
                 }
                 CallbackProgression::Continue
             },
             TICK,
         );
+        wakes.iter().for_each(|wake| wake.drain());
     }
 }
 
@@ -232,8 +235,10 @@ fn poll<E: From<IpcError>>(
 ) -> Result<(), E> {
     let mut looks = 0;
     loop {
-        if step()? == Flow::End {
-            return Ok(());
+        match step()? {
+            Flow::End => return Ok(()),
+            Flow::Again => watchdog.input(),
+            Flow::Wait => {}
         }
         looks += 1;
         if looks == LOOKS {
