@@ -224,7 +224,9 @@ fn sleep_until_woken<E: From<IpcError>>(
             },
             TICK,
         );
-        wakes.iter().for_each(|wake| wake.drain());
+        for wake in wakes {
+            wake.drain();
+        }
     }
 }
 
