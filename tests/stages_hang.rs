@@ -68,16 +68,13 @@ fn the_watchdog_tells_a_silent_upstream_from_own_slowness() {
 }
 
 #[test]
-fn an_overloaded_stage_is_slow_and_does_not_hang() {
+fn an_overloaded_stage_does_not_hang() {
     let bench = Bench::new();
     // A false alarm in every tenth cell: the extractor never catches up with the source, which has nothing else to do.
-    let overload = ["--scans", "500", "--speed", "max", "--no-record", "--set", "extractor.pfa=0.1"];
-    let limits = ["--set", "supervision.hang_s=2", "--set", "watchdog.slow_s=0.2"];
-    let output = bench.run(&[&overload[..], &limits].concat());
+    let overload = ["--scans", "2000", "--speed", "max", "--no-record", "--set", "extractor.pfa=0.1"];
+    let output = bench.run(&[&overload[..], &["--set", "supervision.hang_s=2"]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", text_of(&output));
     let report = bench.report();
-    let slow = |stage: &str| report.processes[stage].slow_steps;
-    assert!(slow("plot-extractor") + slow("tracker") > 0, "{:?}", report.processes);
     assert_eq!(STAGES.map(|stage| report.processes[stage].restarts), [0; 4]);
     assert_eq!(report.lost(), 0);
 }

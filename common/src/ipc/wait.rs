@@ -258,3 +258,29 @@ fn poll<E: From<IpcError>>(
         std::hint::spin_loop();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slow_is_who_does_not_catch_up_for_too_long() {
+        let watchdog = Watchdog::new(&ChainConfig::default(), "tracker");
+        let told = |watchdog: &Watchdog| {
+            let mut health = Health::default();
+            watchdog.describe(&mut health);
+            (health.condition, health.slow_steps)
+        };
+        let [fine, slow] = [Condition::Fine, Condition::Slow].map(|condition| condition as u32);
+        let most = Duration::from_millis(600); // 1 s is allowed
+        watchdog.step(most, true);
+        watchdog.step(most, true);
+        assert_eq!(told(&watchdog), (fine, 0), "it has caught up in between");
+        watchdog.step(most, false);
+        watchdog.step(most, false);
+        watchdog.step(most, true);
+        assert_eq!(told(&watchdog), (slow, 1), "once for all of it");
+        watchdog.step(most, true);
+        assert_eq!(told(&watchdog), (fine, 1));
+    }
+}
