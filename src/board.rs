@@ -32,9 +32,11 @@ impl Board {
             starts: 1,
         });
         if entry.health.session != health.session {
+            if health.heartbeat_ns < entry.health.heartbeat_ns {
+                return; // a report that was overtaken by those of the next session
+            }
             entry.since = now;
-            // A report that was overtaken by those of the next session is of no new one.
-            entry.starts += u32::from(health.session > entry.health.session);
+            entry.starts += 1;
         }
         let elapsed_ns = now.0.saturating_sub(entry.since.0);
         if elapsed_ns >= 500_000_000 {

@@ -132,6 +132,9 @@ impl Supervisor {
                 Event::Due => {
                     let overrides = self.resume_at(&self.stages[index], board);
                     if let Err(error) = self.stages[index].restart(&self.file, &overrides) {
+                        if self.stages[index].restarts >= self.chain.supervision.max_restarts {
+                            return Err(error);
+                        }
                         screen.say(&format!("{error:#}: trying again"));
                     }
                 }

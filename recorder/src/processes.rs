@@ -18,8 +18,6 @@ pub(crate) struct Processes {
 struct Lives {
     now: Health,
     restarts: u64,
-    /// Sessions of ended lives.
-    past: Vec<u64>,
     cpu_ns_before: u64,
     rejected_before: [u64; REJECTS],
     silences_before: u64,
@@ -33,7 +31,6 @@ impl Processes {
         let lives = self.by_name.entry(health.process().to_string()).or_insert_with(|| Lives {
             now: *health,
             restarts: 0,
-            past: Vec::new(),
             cpu_ns_before: 0,
             rejected_before: [0; REJECTS],
             silences_before: 0,
@@ -41,12 +38,11 @@ impl Processes {
             rss_first: health.rss_bytes,
             rss_max: 0,
         });
-        // Sessions tell lives apart and not which is later: the wall clock they come from may have been stepped.
-        if lives.past.contains(&health.session) {
-            return; // a report that was overtaken: an old life has nothing new to say
-        }
         if health.session != lives.now.session {
-            lives.past.push(lives.now.session);
+            // Sessions do not tell which life is later: the wall clock they come from may have been stepped.
+            if health.heartbeat_ns < lives.now.heartbeat_ns {
+                return; // a report that was overtaken: an old life has nothing new to say
+            }
             lives.restarts += 1;
             lives.cpu_ns_before += lives.now.cpu_ns;
             add(&mut lives.rejected_before, &lives.now.rejected);
@@ -104,17 +100,18 @@ mod tests {
     #[test]
     fn counts_of_all_lives_add_up() {
         let mut processes = Processes::default();
-        let mut report = |session, cpu_s: u64, rss_mib: u64, late| {
-            let mut health =
-                Health { session, cpu_ns: cpu_s * 1_000_000_000, rss_bytes: rss_mib << 20, ..Health::default() };
+        let mut report = |heartbeat_ns, session, cpu_s: u64, rss_mib: u64, late| {
+            let (cpu_ns, rss_bytes) = (cpu_s * 1_000_000_000, rss_mib << 20);
+            let mut health = Health { heartbeat_ns, session, cpu_ns, rss_bytes, ..Health::default() };
             health.set_process("tracker");
             health.rejected[4] = late;
             processes.take(&health);
         };
-        report(5, 1, 10, 1);
-        report(5, 3, 30, 2);
-        report(6, 1, 20, 1);
-        report(5, 3, 30, 2); // overtaken
+        // The wall clock, and with it the session, has been set back between the lives.
+        report(1, 6, 1, 10, 1);
+        report(2, 6, 3, 30, 2);
+        report(3, 5, 1, 20, 1);
+        report(2, 6, 3, 30, 2); // overtaken
         let used = &processes.report()["tracker"];
         assert_eq!((used.restarts, used.rejected["late"]), (1, 3));
         assert!((used.cpu_s - 4.0).abs() < 1e-9);

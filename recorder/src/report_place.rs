@@ -22,7 +22,8 @@ pub(crate) struct ReportPlace {
 }
 
 impl ReportPlace {
-    /// Takes room beside the report `path` of the chain with the prefix `chain`. A disk that is full already is met when the report is written.
+    /// Takes room beside the report `path` of the chain with the prefix `chain`. A disk that is full already is met when
+    /// the report is written.
     ///
     /// # Errors
     /// [`BadInput`] if no file can be made there.
