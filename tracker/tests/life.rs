@@ -356,21 +356,17 @@ fn confirmed_by_scan(stream: &Stream) -> BTreeMap<u32, BTreeSet<u64>> {
     scans
 }
 
+/// A radar that gives one plot of two drones within a cell.
+fn unresolved(seed: u64) -> Turning {
+    Turning { seed, snr: 40.0, fluctuates: true, pfa: 1e-5, false_plots: 250, merges: true, ..Turning::default() }
+}
+
 /// Two drones that the radar does not resolve for some fifteen scans give one plot, and keep two tracks.
 #[test]
 fn drones_that_cross_in_one_cell_keep_their_tracks() {
     let (mut kept, mut others) = (0, 0);
     for seed in 1..=20 {
-        let radar = Turning {
-            seed,
-            snr: 40.0,
-            fluctuates: true,
-            pfa: 1e-5,
-            false_plots: 250,
-            merges: true,
-            ..Turning::default()
-        };
-        let scans = confirmed_by_scan(&messages(radar, &[drone::<1, false>, drone::<-1, false>], 65));
+        let scans = confirmed_by_scan(&messages(unresolved(seed), &[drone::<1, false>, drone::<-1, false>], 65));
         let before = &scans[&25];
         kept += u32::from(before.len() == 2 && *before == scans[&60]);
         others += scans.values().flatten().collect::<BTreeSet<_>>().len() - 2;
@@ -383,16 +379,7 @@ fn drones_that_cross_in_one_cell_keep_their_tracks() {
 fn tracks_that_never_part_again_become_one() {
     let mut left = Vec::new();
     for seed in 1..=10 {
-        let radar = Turning {
-            seed,
-            snr: 40.0,
-            fluctuates: true,
-            pfa: 1e-5,
-            false_plots: 250,
-            merges: true,
-            ..Turning::default()
-        };
-        let scans = confirmed_by_scan(&messages(radar, &[drone::<1, true>, drone::<-1, true>], 150));
+        let scans = confirmed_by_scan(&messages(unresolved(seed), &[drone::<1, true>, drone::<-1, true>], 150));
         assert_eq!(scans[&25].len(), 2, "seed {seed}");
         left.push(scans[&148].len());
     }

@@ -1,9 +1,10 @@
-//! `report.json`, schema 1: the contract with scripts, and its form for people.
+//! `report.json`, schema 1: the contract with scripts.
 //!
 //! A value that a run has no means to measure (no truth, no cells) is `null`.
 
+mod text;
+
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
@@ -13,9 +14,6 @@ use crate::recording::Gap;
 
 /// Version of the layout; keys are only added within a version.
 pub const SCHEMA: u32 = 1;
-
-/// Gaps that the text names one by one.
-const LISTED_GAPS: usize = 10;
 
 /// What a run did.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -326,95 +324,6 @@ impl Report {
     pub fn within_budgets(&self) -> bool {
         self.budget.values().all(|budget| budget.ok)
     }
-
-    /// The report for a terminal.
-    pub fn to_text(&self) -> String {
-        let mut text = String::new();
-        // Writing into a String cannot fail.
-        let _ = self.write_text(&mut text);
-        text
-    }
-
-    /// The scores alone, for a terminal.
-    pub fn scores_to_text(&self) -> String {
-        let mut text = String::new();
-        let _ = self.detection.write_text(&mut text).and_then(|()| self.tracking.write_text(&mut text));
-        text
-    }
-
-    fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let comparable = if self.comparable { "" } else { "  (not comparable)" };
-        writeln!(
-            out,
-            "{} scans in {:.1} s: {:.2} × real time, {} messages lost{comparable}",
-            self.scans,
-            self.wall_s,
-            self.realtime_factor,
-            self.lost()
-        )?;
-        for (topic, consumers) in &self.loss {
-            for (consumer, lost) in consumers.iter().filter(|&(_, &lost)| lost > 0) {
-                writeln!(out, "  lost: {lost} {topic} by {consumer}")?;
-            }
-        }
-        self.write_latencies(out)?;
-        self.detection.write_text(out)?;
-        self.tracking.write_text(out)?;
-        self.write_processes(out)?;
-        if let Some(recording) = &self.recording {
-            let parts = if self.parts > 1 { format!("  ({} parts)", self.parts) } else { String::new() };
-            writeln!(out, "\nrecording {recording}{parts}")?;
-        }
-        if self.removed_recordings > 0 {
-            writeln!(out, "  {} old recordings removed", self.removed_recordings)?;
-        }
-        self.gaps.iter().take(LISTED_GAPS).try_for_each(|gap| writeln!(out, "  gap in {gap}"))?;
-        if self.gaps.len() > LISTED_GAPS {
-            writeln!(out, "  and {} more gaps", self.gaps.len() - LISTED_GAPS)?;
-        }
-        Ok(())
-    }
-
-    fn write_latencies(&self, out: &mut String) -> std::fmt::Result {
-        if self.latency_us.values().all(|latency| latency.n == 0) {
-            return Ok(());
-        }
-        let [n, max] = ["n", "max"];
-        writeln!(
-            out,
-            "\n{:<12}{n:>9}{:>10}{:>10}{:>10}{:>10}{max:>10}   budget",
-            "latency µs", "p50", "p90", "p99", "p99.9"
-        )?;
-        for (name, latency) in self.latency_us.iter().filter(|(_, latency)| latency.n > 0) {
-            let Percentiles { n, p50, p90, p99, p999, max } = latency;
-            write!(out, "{name:<12}{n:>9}{p50:>10.0}{p90:>10.0}{p99:>10.0}{p999:>10.0}{max:>10.0}")?;
-            for (place, limit) in self.budget.get(name).iter().flat_map(|budget| &budget.limits).enumerate() {
-                let (sign, broken) = if limit.ok { ("≤", "") } else { (">", " BROKEN") };
-                let separator = if place == 0 { "   " } else { ", " };
-                write!(out, "{separator}p{} {sign} {:.0}{broken}", limit.percentile, limit.limit_us)?;
-            }
-            writeln!(out)?;
-        }
-        Ok(())
-    }
-
-    fn write_processes(&self, out: &mut String) -> std::fmt::Result {
-        if self.processes.is_empty() {
-            return Ok(());
-        }
-        writeln!(out, "\n{:<16}{:>9}{:>12}{:>10}   rejected input", "process", "CPU s", "memory MiB", "restarts")?;
-        for (name, used) in &self.processes {
-            write!(out, "{name:<16}{:>9.2}{:>12.1}{:>10}", used.cpu_s, used.rss_mib_max, used.restarts)?;
-            for (place, (reason, count)) in used.rejected.iter().enumerate() {
-                write!(out, "{}{count} {reason}", if place == 0 { "   " } else { ", " })?;
-            }
-            if !used.refused.is_empty() {
-                write!(out, "   refused: {}", used.refused.join(", "))?;
-            }
-            writeln!(out)?;
-        }
-        Ok(())
-    }
 }
 
 impl Percentiles {
@@ -426,84 +335,6 @@ impl Percentiles {
         let us = |quantile| histogram.value_at_quantile(quantile) as f64 / 1000.0;
         let max = histogram.max() as f64 / 1000.0;
         Self { n: histogram.len(), p50: us(0.5), p90: us(0.9), p99: us(0.99), p999: us(0.999), max }
-    }
-}
-
-impl Detection {
-    fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        writeln!(out, "\ndetection")?;
-        let mut lines = Lines(out);
-        lines.whole("plots", Some(self.plots))?;
-        lines.whole("false plots", self.false_plots)?;
-        lines.whole("unresolved sights", self.unresolved)?;
-        lines.share("detected", self.pd_measured)?;
-        lines.share("detected, expected", self.pd_expected)?;
-        if let (Some(measured), Some([low, high])) = (self.pfa_measured, self.pfa_interval) {
-            let set = self.pfa_set.unwrap_or_default();
-            let interval = format!("{measured:.3e} [{low:.2e}, {high:.2e}], set {set:.0e}");
-            lines.text("false alarms per cell", &interval)?;
-        }
-        for (axis, value) in &self.normalised_error_squared {
-            lines.text(&format!("normalised error² {axis}"), &format!("{value:.3}"))?;
-        }
-        Ok(())
-    }
-}
-
-impl Tracking {
-    fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        writeln!(out, "\ntracking")?;
-        let mut lines = Lines(out);
-        if let (Some(targets), Some(confirmed)) = (self.targets, self.confirmed) {
-            lines.text("targets confirmed", &format!("{confirmed} of {targets}"))?;
-        }
-        if let Some(slowest) = self.confirmation_scans.values().max() {
-            lines.text("slowest confirmation", &format!("{slowest} scans"))?;
-        }
-        lines.whole("tracks lost", self.lost)?;
-        lines.whole("false tracks", self.false_tracks)?;
-        lines.whole("redundant tracks", self.redundant_tracks)?;
-        if let (Some(rate), Some([low, high])) = (self.false_tracks_per_hour, self.false_tracks_per_hour_interval) {
-            lines.text("false tracks per hour", &format!("{rate:.2} [{low:.2}, {high:.2}]"))?;
-        }
-        lines.number("redundant tracks per hour", self.redundant_tracks_per_hour, "")?;
-        lines.number("position error (rms)", self.position_rmse_m, "m")?;
-        lines.number("velocity error (rms)", self.velocity_rmse_mps, "m/s")?;
-        lines.number("NEES (position, velocity)", self.nees, "")?;
-        lines.number("NEES (position)", self.nees_position, "")?;
-        lines.number("GOSPA", self.gospa_m, "m")?;
-        lines.number("  of distances", self.gospa_localisation_m, "m")?;
-        lines.number("  of missed targets", self.gospa_missed_m, "m")?;
-        lines.number("  of false tracks", self.gospa_false_m, "m")?;
-        for (mode, probability) in &self.mode_probability {
-            lines.share(&format!("true mode: {mode}"), Some(*probability))?;
-        }
-        lines.share("truth followed", self.truth_share)?;
-        lines.share("aircraft on the ground", self.truth_share_ground)?;
-        lines.number("distance, median", self.distance_p50_m, "m")?;
-        lines.number("distance, 95 %", self.distance_p95_m, "m")?;
-        lines.whole("changes of track number", self.id_changes)
-    }
-}
-
-/// Writes indented lines of name and value; absent values have no line.
-struct Lines<'a>(&'a mut String);
-
-impl Lines<'_> {
-    fn text(&mut self, name: &str, value: &str) -> std::fmt::Result {
-        writeln!(self.0, "  {name:<30}{value}")
-    }
-
-    fn whole(&mut self, name: &str, value: Option<u64>) -> std::fmt::Result {
-        value.map_or(Ok(()), |value| self.text(name, &value.to_string()))
-    }
-
-    fn number(&mut self, name: &str, value: Option<f64>, unit: &str) -> std::fmt::Result {
-        value.map_or(Ok(()), |value| self.text(name, format!("{value:.2} {unit}").trim_end()))
-    }
-
-    fn share(&mut self, name: &str, value: Option<f64>) -> std::fmt::Result {
-        value.map_or(Ok(()), |value| self.text(name, &format!("{:.2} %", value * 100.0)))
     }
 }
 
