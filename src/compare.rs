@@ -23,7 +23,7 @@ use common::config::ChainConfig;
 use common::process::{BadInput, EXIT_CHECK_BROKEN};
 use common::report::{Blocks, Percentiles, Report, Soak};
 use evaluation::simultaneous::sidak;
-use evaluation::{Estimate, mean, poisson};
+use evaluation::{Estimate, contrast, mean, poisson};
 
 /// Stretches that a run is cut into, at least: as few as intervals can be made of, hence as long as can be.
 const STRETCHES: usize = 20;
@@ -158,7 +158,7 @@ fn one_latency(
     };
     let typical = |figure: &str, earlier: &[f64], later: &[f64]| {
         let [before, after] = [earlier, later].map(|blocks| over_stretches(blocks, level, f64::ln));
-        let Estimate { value, lo, hi, .. } = difference_of(after, before);
+        let Estimate { value, lo, hi, .. } = contrast::difference(&after, &before);
         let found = format!("× {:.3} [{:.3}, {:.3}]", value.exp(), lo.exp(), hi.exp());
         row(figure, before.value.exp(), after.value.exp(), (found, lo.exp() > 1.0 + tolerance))
     };
@@ -166,7 +166,7 @@ fn one_latency(
         let beyond = |us: f64| f64::from(u8::from(us > then.p999 * (1.0 + tolerance)));
         let [before, after] = [&earlier.max, &later.max].map(|blocks| over_stretches(blocks, level, beyond));
         let found = format!("{:.1} % of blocks lie beyond, {:.1} % did", 100.0 * after.value, 100.0 * before.value);
-        (found, difference_of(after, before).lo > 0.0)
+        (found, contrast::difference(&after, &before).lo > 0.0)
     };
     let extreme = {
         let limit = then.max * (1.0 + tolerance);
@@ -193,14 +193,6 @@ fn stretches(blocks: &[f64]) -> std::slice::Chunks<'_, f64> {
 fn over_stretches(blocks: &[f64], level: f64, value: impl Fn(f64) -> f64) -> Estimate {
     let mean_of = |stretch: &[f64]| stretch.iter().map(|&block| value(block)).sum::<f64>() / stretch.len() as f64;
     mean::mean(stretches(blocks).map(mean_of), level)
-}
-
-/// `a − b` of independent figures: the distances to the ends of their intervals add as squares.
-fn difference_of(a: Estimate, b: Estimate) -> Estimate {
-    let value = a.value - b.value;
-    let down = (a.value - a.lo).hypot(b.hi - b.value);
-    let up = (a.hi - a.value).hypot(b.value - b.lo);
-    Estimate { value, lo: value - down, hi: value + up, n: a.n.min(b.n) }
 }
 
 /// Probability that of `old` + `new` values of one distribution the `beyond` largest, at least, are all new ones.

@@ -272,13 +272,13 @@ impl Lineages {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use common::services::HealthHeader;
     use common::tracks::TracksHeader;
 
     /// A tracks message: session, position, plots taken in the session, tracks published before.
-    fn tracks(session: u64, seq: u64, taken_in_session: u64, published_before: u64) -> TracksHeader {
+    pub(crate) fn tracks(session: u64, seq: u64, taken_in_session: u64, published_before: u64) -> TracksHeader {
         let lineage =
             Lineage { session: 9, first_seq: seq, last_seq: seq, taken: 1, taken_in_session, published_before };
         TracksHeader { session, seq, lineage, ..TracksHeader::default() }
