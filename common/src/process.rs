@@ -102,6 +102,8 @@ pub fn supervise(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) ->
 
 fn conclude(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
     logging::start();
+    // As what `ps` and `top` show it: a stage is started from the launcher's open file, whose name says nothing.
+    let _ = std::ffi::CString::new(name).map(|name| rustix::thread::set_name(&name));
     // Several processes may write to one terminal: each line says whose it is.
     let _process = tracing::error_span!("process", name).entered();
     match body() {

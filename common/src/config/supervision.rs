@@ -14,7 +14,8 @@ pub struct SupervisionConfig {
     pub backoff_s: f64,
     /// How long a stage may take to drain and end after the source has, s.
     pub drain_s: f64,
-    /// A stage that has said nothing for so long, while all downstream of it speak, hangs and is killed, s; 0 for never.
+    /// A stage that has said nothing for so long hangs and is killed, s; 0 for never. In lossless mode only while all
+    /// downstream of it speak.
     pub hang_s: f64,
     /// The same for the recorder, which may wait for a disk, s; 0 for never.
     pub recorder_hang_s: f64,
@@ -44,7 +45,7 @@ impl SupervisionConfig {
 pub struct WatchdogConfig {
     /// Upstream is silent when nothing has come for so long, s.
     pub silence_s: f64,
-    /// The stage is slow when it works for so long without looking at its input, s.
+    /// The stage is slow when it works for so long without catching up with its input, s.
     pub slow_s: f64,
 }
 
