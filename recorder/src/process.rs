@@ -41,10 +41,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     // Subscribed first: what arrives while an earlier part is read waits in the queues.
     let inputs = Inputs::new(&station, &chain)?;
     let mut recorder = Recorder::new(&chain, session)?;
-    // Only of what it takes: each listener costs the sender of an event a call of the system.
-    let topics = [Topic::Tracks, Topic::Plots, Topic::Dwells];
-    let topics = &topics[..if chain.recorder.dwells { 3 } else { 2 }];
-    let wakes = topics.iter().map(|&topic| station.wake(topic)).collect::<Result<Vec<_>, _>>()?;
+    let wakes = woken_by(&chain).into_iter().map(|topic| station.wake(topic)).collect::<Result<Vec<_>, _>>()?;
     let wakes: Vec<_> = wakes.iter().collect();
     let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
 
@@ -62,6 +59,15 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     })?;
     inputs.take_all(&mut recorder)?; // its own last health
     recorder.finish()
+}
+
+/// The topics whose messages wake the recorder. Tracks follow all plots, so where a tracker runs the recorder takes both
+/// with them: woken by plots it would be in the tracker's way for a processor, and cost the extractor a call of the system.
+fn woken_by(chain: &ChainConfig) -> Vec<Topic> {
+    let mut topics = vec![Topic::Tracks];
+    topics.extend((!chain.upstream_of_recorder().contains(&"tracker")).then_some(Topic::Plots));
+    topics.extend(chain.recorder.dwells.then_some(Topic::Dwells));
+    topics
 }
 
 /// All topics of the site.
