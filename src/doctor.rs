@@ -209,17 +209,18 @@ fn leftovers(chain: &ChainConfig) -> Finding {
             !Claim::is_taken(&ipc) && Domain::enter(&ipc).is_ok_and(|domain| !domain.is_alive())
         })
         .collect();
-    // Files alone, without the folder that a living chain has.
+    // Files alone, without the folder that a living chain has; those of chains in another folder are not known here.
     let files = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
     dead.extend(files.filter_map(|file| {
-        let prefix = file.file_name().to_string_lossy().split_once(".rc_")?.0.to_string();
+        let name = file.file_name().to_string_lossy().into_owned();
+        let prefix = name.split_once(".rc_")?.0.to_string();
         let ipc = common::config::IpcConfig { prefix: prefix.clone(), ..chain.ipc.clone() };
-        (!Domain::root(&ipc).exists()).then_some(prefix)
+        (name.starts_with(&Domain::file_prefix(&ipc)) && !Domain::root(&ipc).exists()).then_some(prefix)
     }));
     dead.sort_unstable();
     dead.dedup();
     let found = if dead.is_empty() { "none".into() } else { format!("domains of dead chains: {}", dead.join(", ")) };
-    let advice = "the next `radar-chain run` with the same --ipc-prefix removes them (unless they are of a chain with another ipc.root)";
+    let advice = "the next `radar-chain run` with the same --ipc-prefix removes them";
     Finding::new("leftovers", found).unless(!dead.is_empty(), Level::Note, advice)
 }
 

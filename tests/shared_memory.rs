@@ -19,7 +19,8 @@ fn in_small_memory(bench: &Bench, mib: u32, script: &str) -> Option<std::process
     }
     let script = format!("set -e; mount -t tmpfs -o size={mib}m none /dev/shm; {script}");
     let mut command = Command::new("unshare");
-    command.args(unshare).args(["bash", "-c", &script]).current_dir(bench.path(""));
+    // A guard against hanging, not a measurement.
+    command.args(unshare).args(["timeout", "300", "bash", "-c", &script]).current_dir(bench.path(""));
     command.env("CHAIN", env!("CARGO_BIN_EXE_radar-chain")).env("CONFIG", small_config());
     command.env("ROOT", bench.path("")).env("PREFIX", bench.prefix());
     Some(output(&mut command))
@@ -55,5 +56,35 @@ fn filled_by_others_it_stops_nothing() {
     let said = String::from_utf8_lossy(&ran.stdout).into_owned();
     assert_eq!(said.lines().next().map(str::trim), Some("0"), "it was full: {said}");
     assert_eq!((bench.report().scans, bench.report().lost()), (40, 0));
+    assert!(!Path::new(&bench.root()).exists());
+}
+
+#[test]
+fn a_stage_that_dies_while_it_is_full_comes_back_when_there_is_room() {
+    let bench = Bench::new();
+    // Whatever becomes free is taken at once, until the extractor has failed twice for want of room.
+    let script = format!(
+        r#"
+        status() {{ "$CHAIN" status --json --config "$CONFIG" --ipc-prefix "$PREFIX" --set "ipc.root='$ROOT'"; }}
+        number() {{ status | sed -n "/^  \"$1\": {{/,/^  }}/s/^    \"$2\": \([0-9]*\).*/\1/p"; }}
+        {RUN} --scans 0 2>err & chain=$!
+        until [ "$(number tracker scan)" -ge 3 ]; do :; done 2>/dev/null
+        extractor=$(number plot-extractor pid)
+        while [ ! -e room ]; do dd if=/dev/zero bs=4k >>/dev/shm/ballast || true; done 2>/dev/null & filler=$!
+        until [ "$(df --output=avail /dev/shm | tail -1)" -eq 0 ]; do :; done
+        kill -9 $extractor
+        until [ "$(grep -c 'plot-extractor ended' err)" -ge 3 ]; do :; done
+        touch room; wait $filler; rm /dev/shm/ballast
+        until [ -n "$(number plot-extractor pid)" ]; do :; done
+        seen=$(number tracker scan)
+        until [ "$(number tracker scan)" -ge $((seen + 4)) ]; do :; done 2>/dev/null
+        kill $chain; wait $chain
+        "#
+    );
+    let Some(ran) = in_small_memory(&bench, 64, &script) else { return };
+    assert_eq!(ran.status.code(), Some(1), "{}", text_of(&ran));
+    let report = bench.report();
+    assert!(report.processes["plot-extractor"].restarts >= 3, "{:?}", report.processes["plot-extractor"]);
+    assert!(report.books.iter().all(common::report::Book::balances), "{:?}", report.books);
     assert!(!Path::new(&bench.root()).exists());
 }

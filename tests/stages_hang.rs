@@ -78,3 +78,20 @@ fn an_overloaded_stage_does_not_hang() {
     assert_eq!(STAGES.map(|stage| report.processes[stage].restarts), [0; 4]);
     assert_eq!(report.lost(), 0);
 }
+
+#[test]
+fn a_stage_that_hangs_at_the_end_is_killed_and_the_books_are_closed() {
+    let bench = Bench::new();
+    // Scans of four seconds: the last one is seen before it is over.
+    let limits = ["--set", "supervision.hang_s=0", "--set", "supervision.drain_s=4"];
+    let running = bench.start(&[&["--scans", "3", "--speed", "0.06"][..], &limits].concat());
+    let stages = bench.wait_for("the last scan", |status| pids(status).filter(|_| scan(status) == Some(2)));
+    signal(stages[2], "STOP");
+    let output = running.end();
+    assert_eq!(output.status.code(), Some(1), "{}", text_of(&output));
+    assert!(text_of(&output).contains("tracker has not ended within 4 s"), "{}", text_of(&output));
+    let report = bench.report();
+    assert!(report.books.iter().all(common::report::Book::balances), "{:?}", report.books);
+    assert!(report.messages["plots"] > 16, "{:?}", report.messages);
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+}

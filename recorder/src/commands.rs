@@ -58,6 +58,9 @@ fn open_container(path: &Path) -> Result<File, BadInput> {
 
 /// Writes topics of a run as files: exit code 0, or 1 if something in the recording could not be read.
 pub(crate) fn export(path: &Path, topics: &[Topic], format: Format, out: &Path) -> anyhow::Result<ExitCode> {
+    // JSON lines have no description.
+    let container = recording::open_container(path).ok();
+    let description = container.and_then(|file| Reader::new(BufReader::new(file)).description().cloned());
     let mut skipped = false;
     let readable = open_run(path)?.filter(|message| {
         if let Err(error) = message {
@@ -66,10 +69,13 @@ pub(crate) fn export(path: &Path, topics: &[Topic], format: Format, out: &Path) 
         }
         message.is_ok()
     });
-    let files = export::export(readable, topics, format, out).map_err(|error| match error {
-        ExportError::Recording(error) => in_file(path, &error),
-        other => BadInput(other.to_string()),
-    })?;
+    let files =
+        export::export(readable, &description.unwrap_or_default(), topics, format, out).map_err(
+            |error| match error {
+                ExportError::Recording(error) => in_file(path, &error),
+                other => BadInput(other.to_string()),
+            },
+        )?;
     let lines: Vec<String> = files.iter().map(|(file, rows)| format!("{} {rows} rows\n", file.display())).collect();
     say(&lines.concat())?;
     Ok(if skipped { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })

@@ -12,7 +12,8 @@ use common::recording::{Gap, RecordedRef};
 use common::report::{Report, SCHEMA};
 use common::services::Topic;
 use common::tracks::TracksHeader;
-use common::units::{NS_PER_S, seconds_between};
+use common::units::seconds_between;
+use serde::{Deserialize, Serialize};
 
 use crate::books::Books;
 use crate::latencies::Latencies;
@@ -42,11 +43,37 @@ pub struct Fold {
     latencies: Latencies,
     processes: Processes,
     scoring: Scoring,
+    progress: Progress,
+}
+
+/// How far a run has come.
+#[derive(Debug, Default, Clone, Copy, Serialize, Deserialize)]
+pub(crate) struct Progress {
     scans: u64,
     /// Processing time of the first source stamp and the last tracks, ns.
     wall_ns: Option<(u64, u64)>,
     /// Measurement time of the first and the last tracks, ns UTC.
     measured_ns: Option<(u64, u64)>,
+}
+
+impl Progress {
+    fn note(&mut self, header: &TracksHeader) {
+        self.scans += u64::from(header.has(END_OF_SCAN));
+        let extend = |span: Option<(u64, u64)>, from: u64, to: u64| {
+            let (first, last) = span.unwrap_or((from, to));
+            Some((first.min(from), last.max(to)))
+        };
+        let stamps = &header.stamps;
+        if stamps.source_out_ns != 0 && stamps.tracks_out_ns != 0 {
+            self.wall_ns = extend(self.wall_ns, stamps.source_out_ns, stamps.tracks_out_ns);
+        }
+        self.measured_ns = extend(self.measured_ns, header.time_ns, header.time_ns);
+    }
+
+    /// Length in processing time and in measurement time, s.
+    fn lengths_s(&self) -> [f64; 2] {
+        [self.wall_ns, self.measured_ns].map(|span| span.map_or(0.0, |(first, last)| seconds_between(first, last)))
+    }
 }
 
 impl Fold {
@@ -60,9 +87,7 @@ impl Fold {
             latencies: Latencies::new(&config.budget),
             processes: Processes::default(),
             scoring: Scoring::new(config),
-            scans: 0,
-            wall_ns: None,
-            measured_ns: None,
+            progress: Progress::default(),
         }
     }
 
@@ -79,7 +104,7 @@ impl Fold {
             RecordedRef::Tracks(header, tracks) => {
                 self.latencies.tracks(header, recorded_ns);
                 self.scoring.tracks(header, tracks);
-                self.note_progress(header);
+                self.progress.note(header);
             }
             RecordedRef::Truth(header, targets) => self.scoring.truth(header, targets),
             RecordedRef::Health(_, reports) => reports.iter().for_each(|health| self.processes.take(health)),
@@ -100,27 +125,15 @@ impl Fold {
 
     /// What has been counted so far, for whoever goes on from here without the messages.
     pub fn counts(&self) -> String {
-        write_counts(&self.losses, &self.books)
+        let Self { losses, books, processes, progress, .. } = self;
+        serde_json::to_string(&(losses, books, processes, progress)).unwrap_or_default()
     }
 
     /// Goes on from [`Fold::counts`]; what is not such a text changes nothing.
     pub fn restore(&mut self, counts: &str) {
-        if let Some((losses, books)) = read_counts(counts) {
-            (self.losses, self.books) = (losses, books);
+        if let Some(counts) = read_counts(counts) {
+            (self.losses, self.books, self.processes, self.progress) = counts;
         }
-    }
-
-    fn note_progress(&mut self, header: &TracksHeader) {
-        self.scans += u64::from(header.has(END_OF_SCAN));
-        let extend = |span: Option<(u64, u64)>, from: u64, to: u64| {
-            let (first, last) = span.unwrap_or((from, to));
-            Some((first.min(from), last.max(to)))
-        };
-        let stamps = &header.stamps;
-        if stamps.source_out_ns != 0 && stamps.tracks_out_ns != 0 {
-            self.wall_ns = extend(self.wall_ns, stamps.source_out_ns, stamps.tracks_out_ns);
-        }
-        self.measured_ns = extend(self.measured_ns, header.time_ns, header.time_ns);
     }
 
     /// Writes latencies by interval to `log` from now on.
@@ -140,7 +153,7 @@ impl Fold {
 
     /// Scans that went through the whole chain.
     pub fn scans(&self) -> u64 {
-        self.scans
+        self.progress.scans
     }
 
     /// Messages received on a topic.
@@ -168,8 +181,7 @@ impl Fold {
         let (first_dwell, first_sector) = first_positions(&self.config);
         self.latencies.close_interval(Duration::ZERO);
         let (detection, tracking) = self.scoring.finish();
-        let span_s = |span: Option<(u64, u64)>| span.map_or(0.0, |(first, last)| seconds_between(first, last));
-        let wall_s = self.wall_ns.map_or(0.0, |(first, last)| (last - first) as f64 / NS_PER_S);
+        let [wall_s, measured_s] = self.progress.lengths_s();
         let mut loss = self.losses.lost();
         for topic in [Topic::Plots, Topic::Tracks] {
             if let Some(lost) = loss.get_mut(topic.name()).and_then(|by| by.get_mut(RECORDER)) {
@@ -183,9 +195,9 @@ impl Fold {
             version: env!("CARGO_PKG_VERSION").to_string(),
             git: option_env!("RADAR_CHAIN_GIT").unwrap_or("unknown").to_string(),
             seed: self.config.run.seed,
-            scans: self.scans,
+            scans: self.progress.scans,
             wall_s,
-            realtime_factor: if wall_s > 0.0 { span_s(self.measured_ns) / wall_s } else { 0.0 },
+            realtime_factor: if wall_s > 0.0 { measured_s / wall_s } else { 0.0 },
             comparable: lossless && whole && !self.losses.restarted() && !self.processes.restarted(),
             loss,
             messages: self.losses.messages(),
@@ -206,13 +218,8 @@ impl Fold {
     }
 }
 
-/// Counts as a recording holds them.
-pub(crate) fn write_counts(losses: &Losses, books: &Books) -> String {
-    serde_json::to_string(&(losses, books)).unwrap_or_default()
-}
-
 /// Counts that a recording holds; `None` if they are not of this version.
-pub(crate) fn read_counts(text: &str) -> Option<(Losses, Books)> {
+pub(crate) fn read_counts(text: &str) -> Option<(Losses, Books, Processes, Progress)> {
     serde_json::from_str(text).ok()
 }
 
@@ -220,4 +227,44 @@ pub(crate) fn read_counts(text: &str) -> Option<(Losses, Books)> {
 fn first_positions(config: &ChainConfig) -> (u64, u64) {
     let first_scan = u64::from(config.run.first_scan);
     (first_scan * u64::from(config.radar.dwells_per_scan), first_scan * u64::from(config.sectors_per_scan()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::health::Health;
+    use common::message::Stamps;
+    use common::services::HealthHeader;
+
+    /// A scan a second; the tracker is started again in the middle.
+    fn take(fold: &mut Fold, seconds: std::ops::Range<u64>) {
+        for second in seconds {
+            let (flags, now_ns, session) = (END_OF_SCAN, second * 1_000_000_000, 1 + second / 5);
+            let stamps = Stamps { source_out_ns: now_ns + 1, tracks_out_ns: now_ns + 2, ..Stamps::default() };
+            let header =
+                TracksHeader { seq: second, session, time_ns: now_ns, flags, stamps, ..TracksHeader::default() };
+            fold.take(RecordedRef::Tracks(&header, &[]), 0);
+            let mut health = Health { session, heartbeat_ns: now_ns, cpu_ns: 1_000_000_000, ..Health::default() };
+            health.set_process("tracker");
+            fold.take(RecordedRef::Health(&HealthHeader { session, seq: second }, &[health]), 0);
+        }
+    }
+
+    #[test]
+    fn who_goes_on_from_counts_reports_the_whole_run() {
+        let chain = ChainConfig::default();
+        let (mut alone, mut first, mut second) = (Fold::new(&chain), Fold::new(&chain), Fold::new(&chain));
+        take(&mut alone, 0..10);
+        take(&mut first, 0..7);
+        second.restore(&first.counts());
+        take(&mut second, 7..10);
+        let [alone, second] = [alone, second].map(|fold| fold.finish(Files::default()));
+        assert_eq!((alone.scans, alone.processes["tracker"].restarts, alone.comparable), (10, 1, false));
+        assert!((alone.wall_s - 9.0).abs() < 1e-6 && (alone.processes["tracker"].cpu_s - 2.0).abs() < 1e-9);
+        let counted = |report: &Report| {
+            let books = serde_json::to_value((&report.processes, &report.books, &report.loss, &report.messages));
+            (report.scans, report.wall_s, report.realtime_factor, report.comparable, books.expect("JSON"))
+        };
+        assert_eq!(counted(&alone), counted(&second));
+    }
 }

@@ -5,16 +5,17 @@ use std::collections::BTreeMap;
 use common::health::{Health, REJECT_NAMES, REJECTS, Wish};
 use common::report::ProcessUse;
 use common::units::{MIB, NS_PER_S};
+use serde::{Deserialize, Serialize};
 
 /// The fold of health reports, by process.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Processes {
     by_name: BTreeMap<String, Lives>,
 }
 
 /// All starts of one process. Counts of ended lives are kept apart from those of the present
 /// one, whose reports repeat them.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Lives {
     now: Health,
     restarts: u64,

@@ -62,7 +62,7 @@ impl Verification {
         });
         self.conclude_cut(follows);
         // A lone part goes on from what had been counted before it.
-        let from_counts = || reader.counts().and_then(read_counts).map(|(losses, _)| losses);
+        let from_counts = || reader.counts().and_then(read_counts).map(|(losses, ..)| losses);
         let before = if follows { self.losses.take() } else { None };
         let (mut losses, known) = match before.or_else(from_counts) {
             Some(losses) => (losses, true),

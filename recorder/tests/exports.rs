@@ -6,6 +6,7 @@ use std::path::Path;
 
 use common::health::Health;
 use common::plots::{HAS_ELEVATION, HAS_STATISTIC, Plot, PlotsHeader};
+use common::recording::container::Description;
 use common::recording::{Recorded, RecordingError, jsonl};
 use common::services::{HealthHeader, Topic};
 use common::tracks::{Track, TracksHeader};
@@ -48,9 +49,13 @@ fn messages() -> Vec<Recorded> {
     messages
 }
 
+fn description() -> Description {
+    Description { site: "hill".into(), config: "[run]\nseed = 7\n".into(), seed: 7, ..Description::default() }
+}
+
 /// Exports all topics and returns the rows or messages of each file.
 fn exported(messages: &[Recorded], format: Format, folder: &Path) -> Vec<u64> {
-    let files = export(messages.iter().cloned().map(Ok), &TOPICS, format, folder).expect("written");
+    let files = export(messages.iter().cloned().map(Ok), &description(), &TOPICS, format, folder).expect("written");
     files.into_iter().map(|(_, written)| written).collect()
 }
 
@@ -122,6 +127,8 @@ fn mcap_with_json_has_a_schema_per_topic_and_every_message() {
         read += 1;
     }
     assert_eq!(read, messages.len());
+    let metadata = mcap::read::metadata(&bytes, &summary.metadata_indexes[0]).expect("metadata");
+    assert_eq!((metadata.name.as_str(), &metadata.metadata), ("recording", &description().to_map()));
 }
 
 #[test]
@@ -130,7 +137,8 @@ fn an_export_that_fails_leaves_no_file() {
     for format in [Format::Csv, Format::Parquet, Format::JsonLines, Format::McapJson] {
         let broken = RecordingError::Line { line: 7, message: "spoilt".into() };
         let recorded = messages().into_iter().map(Ok).chain(std::iter::once(Err(broken)));
-        let error = export(recorded, &TOPICS, format, folder.path()).expect_err("a spoilt line").to_string();
+        let error =
+            export(recorded, &description(), &TOPICS, format, folder.path()).expect_err("a spoilt line").to_string();
         assert_eq!(error, "line 7: spoilt");
         assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "{format:?}");
     }
@@ -141,7 +149,8 @@ fn a_topic_named_twice_is_written_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let recorded = messages();
     let topics = [Topic::Tracks, Topic::Plots, Topic::Tracks];
-    let files = export(recorded.iter().cloned().map(Ok), &topics, Format::Csv, folder.path()).expect("written");
+    let files =
+        export(recorded.iter().cloned().map(Ok), &description(), &topics, Format::Csv, folder.path()).expect("written");
     let wanted = [Topic::Plots, Topic::Tracks]
         .map(|topic| (folder.path().join(format!("{}.csv", topic.name())), elements(&recorded, topic)));
     assert_eq!(files, wanted);
@@ -160,6 +169,10 @@ fn parquet_has_the_types_and_values_of_the_csv() {
         let reader = SerializedFileReader::new(File::open(path("parquet")).expect("a file")).expect("Parquet");
         assert_eq!(reader.metadata().file_metadata().num_rows(), i64::try_from(rows).expect("rows"));
         assert_eq!(reader.num_row_groups(), if topic == Topic::Plots { 2 } else { 1 });
+        let about = reader.metadata().file_metadata().key_value_metadata().expect("metadata");
+        let about = about.iter().map(|pair| (pair.key.clone(), pair.value.clone().expect("a value")));
+        let wanted = description().to_map().into_iter().map(|(key, value)| (format!("radar-chain.{key}"), value));
+        assert!(wanted.eq(about));
         let columns = reader.metadata().file_metadata().schema().get_fields();
         let names: Vec<&str> = columns.iter().map(|column| column.name()).collect();
         assert_eq!(table.headers().expect("names").iter().collect::<Vec<_>>(), names);

@@ -141,13 +141,13 @@ fn batch(criterion: &mut Criterion, group: &str, own_errors: bool, lattices: &[L
 }
 
 fn tracker_cycle(criterion: &mut Criterion) {
-    batch(criterion, "tracker_cycle", false, &[[1, 1, 1], [50, 10, 2], [100, 25, 4], [250, 80, 5]]);
-    batch(criterion, "tracker_cycle_own_errors", true, &[[50, 10, 2]]);
+    batch(criterion, "tracker_cycle", false, &[[1, 1, 1], [25, 10, 4], [100, 25, 4], [250, 100, 4]]);
+    batch(criterion, "tracker_cycle_own_errors", true, &[[25, 10, 4]]);
 }
 
 /// The same one track at a time, each offered its own plots: no index, and the rule of the configuration.
 fn tracker_cycle_plain(criterion: &mut Criterion) {
-    let scene = scene([50, 10, 2], false);
+    let scene = scene([25, 10, 4], false);
     let rules = Rules::new(&TrackerConfig::default());
     let radar = radar();
     let target = Detector::new(1e-2, 0).target(Swerling::One, 20.0);
@@ -197,15 +197,20 @@ fn plot_index(criterion: &mut Criterion) {
             azimuth_rad: plot.polar[1],
             half_azimuth_rad: 0.5 * side * TAU,
             range_m: [plot.polar[0] - 0.5 * side * 48e3, plot.polar[0] + 0.5 * side * 48e3],
+            elevation_rad: Window::ANY_ELEVATION,
         };
-        let mut index = PlotIndex::default();
+        let (mut index, mut near) = (PlotIndex::default(), Vec::new());
         group.throughput(Throughput::Elements(count.into()));
         group.sample_size(20);
         group.bench_function(BenchmarkId::from_parameter(count), |bencher| {
             bencher.iter(|| {
                 index.build(black_box(&plots).iter());
-                let found: usize = plots.iter().map(|plot| index.near(&window(plot)).flatten().count()).sum();
-                // Each finds itself, and the cells that a window touches are three times as wide as it at most.
+                let mut found = 0;
+                for plot in &plots {
+                    index.find(&window(plot), &mut near);
+                    found += near.len();
+                }
+                // Each finds itself, and the azimuth bins that a window touches are three times as wide as it at most.
                 assert!(found >= plots.len() && found <= 16 * plots.len(), "{found}");
             });
         });

@@ -133,16 +133,16 @@ pub struct TrackerConfig {
 impl Default for TrackerConfig {
     fn default() -> Self {
         Self {
-            hover_noise_mps: 1.0,
-            velocity_noise_mps2: 1.0,
-            manoeuvre_noise_mps3: 7.0,
-            stay_probability: 0.88,
+            hover_noise_mps: 0.9,
+            velocity_noise_mps2: 0.8,
+            manoeuvre_noise_mps3: 7.5,
+            stay_probability: 0.89,
             gate_rule: GateRule::Union,
             gate_union_probability: 0.0,
             gate_false_plots: 100.0,
             gate_alpha: 3.5,
             gate_probability_by_mode: true,
-            range_rate_inflation: 0.4,
+            range_rate_inflation: 0.45,
             association: Association::PdaStatistics,
             hypotheses: 16,
             joint_association: true,

@@ -73,7 +73,7 @@ impl Domain {
 
     /// How the names of the domain's files in shared memory begin: the prefix, and the folder as a number, so that one
     /// prefix in two folders is two domains.
-    fn file_prefix(ipc: &IpcConfig) -> String {
+    pub fn file_prefix(ipc: &IpcConfig) -> String {
         let folder = Self::root(ipc);
         // FNV-1a: the same in every process and version.
         let number =
@@ -162,10 +162,7 @@ impl Domain {
             let reserved = rustix::fs::fallocate(&file, rustix::fs::FallocateFlags::KEEP_SIZE, 0, metadata.len());
             if reserved == Err(rustix::io::Errno::NOSPC) {
                 let free_mib = free_bytes().unwrap_or(0) >> 20;
-                return Err(IpcError::SharedMemoryTooSmall {
-                    free_mib,
-                    needed_mib: ((metadata.len() - held) >> 20) + 1,
-                });
+                return Err(IpcError::SharedMemoryFull { free_mib, needed_mib: ((metadata.len() - held) >> 20) + 1 });
             }
         }
         Ok(())

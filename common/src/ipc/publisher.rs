@@ -178,6 +178,7 @@ impl<M: Message> Publisher<M> {
         }
         let topic = M::TOPIC.name();
         let (began, mut cleaned, mut told) = (Instant::now(), Instant::now(), false);
+        let mut recorder_alone = None;
         loop {
             let missing = self.missing();
             if missing == 0 {
@@ -186,8 +187,12 @@ impl<M: Message> Publisher<M> {
             if process::stop_requested() && (!self.started.get() || began.elapsed() > FIRST_WAIT) {
                 return Err(IpcError::Stopped { topic });
             }
-            let enough = if missing == bit(Consumer::Recorder) { FIRST_WAIT_RECORDER } else { FIRST_WAIT };
-            if self.mode == Mode::RealTime && began.elapsed() > enough {
+            if missing != bit(Consumer::Recorder) {
+                recorder_alone = None;
+            }
+            let recorder_late = missing == bit(Consumer::Recorder)
+                && recorder_alone.get_or_insert_with(Instant::now).elapsed() > FIRST_WAIT_RECORDER;
+            if self.mode == Mode::RealTime && (recorder_late || began.elapsed() > FIRST_WAIT) {
                 break;
             }
             if cleaned.elapsed() > Duration::from_millis(CLEAN_INTERVAL_MS) {

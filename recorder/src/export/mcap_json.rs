@@ -1,7 +1,8 @@
 //! MCAP with JSON messages, which viewers open without knowing this program.
 //!
 //! One channel per topic, named as the topic; its schema says what each field is, with units. The times of a message are its
-//! measurement time; health, which has none, takes that of the last message that has one.
+//! measurement time; health, which has none, takes that of the last message that has one. The metadata `recording` is what
+//! the recording says of itself.
 //! What is not known is left out, because viewers take no `null` for a number; so nothing is required.
 
 use std::fs::File;
@@ -9,11 +10,12 @@ use std::io::BufWriter;
 
 use common::health::Health;
 use common::plots::{Plot, PlotsHeader};
+use common::recording::container::Description;
 use common::recording::{RecordedRef, RecordingError};
 use common::services::{HealthHeader, TOPICS, Topic};
 use common::tracks::{Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget};
-use mcap::records::MessageHeader;
+use mcap::records::{MessageHeader, Metadata};
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
@@ -41,13 +43,18 @@ struct Body<'a, H, E> {
 }
 
 impl McapJson {
-    pub(super) fn create(file: BufWriter<File>, topics: &[Topic]) -> Result<Self, RecordingError> {
+    pub(super) fn create(
+        file: BufWriter<File>,
+        description: &Description,
+        topics: &[Topic],
+    ) -> Result<Self, RecordingError> {
         let mut mcap = mcap::WriteOptions::new()
             .library(concat!("radar-chain ", env!("CARGO_PKG_VERSION")))
             .compression(Some(mcap::Compression::Zstd))
             .compression_threads(0)
             .create(file)
             .map_err(failed)?;
+        mcap.write_metadata(&Metadata { name: "recording".into(), metadata: description.to_map() }).map_err(failed)?;
         let mut channels = [0; TOPICS];
         for &topic in topics {
             let text = serde_json::to_vec_pretty(&schema(topic)).map_err(std::io::Error::from)?;

@@ -15,6 +15,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
+use common::recording::container::Description;
 use common::recording::{Recorded, RecordedRef, RecordingError, jsonl};
 use common::services::Topic;
 
@@ -71,11 +72,13 @@ pub enum ExportError {
 }
 
 /// Writes the messages of `topics` into `directory`; returns the files with their numbers of rows, lines or messages.
+/// Parquet and MCAP hold the `description` of the recording as well.
 ///
 /// # Errors
 /// [`ExportError`].
 pub fn export(
     messages: impl Iterator<Item = Result<Recorded, RecordingError>>,
+    description: &Description,
     topics: &[Topic],
     format: Format,
     directory: &Path,
@@ -92,7 +95,7 @@ pub fn export(
     for (name, topics) in format.files(topics) {
         let path = directory.join(&name);
         let unfinished = Unfinished(directory.join(format!("{name}.unfinished")));
-        let sink = create(&unfinished.0, &topics, format).map_err(|error| failed(&path, &error))?;
+        let sink = create(&unfinished.0, description, &topics, format).map_err(|error| failed(&path, &error))?;
         outputs.push(Output { path, topics, written: 0, sink, unfinished });
     }
     for message in messages {
@@ -142,12 +145,17 @@ trait Sink {
     fn finish(self: Box<Self>) -> Result<(), RecordingError>;
 }
 
-fn create(path: &Path, topics: &[Topic], format: Format) -> Result<Box<dyn Sink>, RecordingError> {
+fn create(
+    path: &Path,
+    description: &Description,
+    topics: &[Topic],
+    format: Format,
+) -> Result<Box<dyn Sink>, RecordingError> {
     let file = File::create(path)?;
     Ok(match (format, topics) {
         (Format::Csv, &[topic]) => Box::new(CsvTable::create(file, topic)?),
-        (Format::Parquet, &[topic]) => Box::new(ParquetTable::create(file, topic)?),
-        (Format::McapJson, topics) => Box::new(McapJson::create(BufWriter::new(file), topics)?),
+        (Format::Parquet, &[topic]) => Box::new(ParquetTable::create(file, description, topic)?),
+        (Format::McapJson, topics) => Box::new(McapJson::create(BufWriter::new(file), description, topics)?),
         (_, _) => Box::new(jsonl::Writer::new(BufWriter::new(file))),
     })
 }

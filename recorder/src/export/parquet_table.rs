@@ -1,15 +1,18 @@
-//! Tables as Parquet: typed columns, null where a value is not known.
+//! Tables as Parquet: typed columns, null where a value is not known. The metadata of the file, each key with `radar-chain.`
+//! before it, are what the recording says of itself.
 
 use std::fmt::Write;
 use std::fs::File;
 use std::io;
 use std::sync::Arc;
 
+use common::recording::container::Description;
 use common::recording::{RecordedRef, RecordingError};
 use common::services::Topic;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::parser::parse_message_type;
@@ -50,13 +53,16 @@ enum Values {
 }
 
 impl ParquetTable {
-    pub(super) fn create(file: File, topic: Topic) -> io::Result<Self> {
+    pub(super) fn create(file: File, description: &Description, topic: Topic) -> io::Result<Self> {
         let mut layout = Layout { schema: format!("message {} {{", topic.name()), columns: Vec::new() };
         put_columns(topic, &mut layout)?;
         let schema = Arc::new(parse_message_type(&format!("{} }}", layout.schema)).map_err(failed)?);
+        let about = description.to_map().into_iter();
+        let about = about.map(|(key, value)| KeyValue::new(format!("radar-chain.{key}"), value)).collect();
         let properties = WriterProperties::builder()
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
             .set_created_by(concat!("radar-chain ", env!("CARGO_PKG_VERSION")).into())
+            .set_key_value_metadata(Some(about))
             .build();
         let out = SerializedFileWriter::new(file, schema, Arc::new(properties)).map_err(failed)?;
         Ok(Self { rows: Rows { out, columns: layout.columns, next: 0, waiting: 0 } })

@@ -92,6 +92,8 @@ fn put_plot(header: &PlotsHeader, plot: &Plot, table: &mut impl Table) -> io::Re
     table.put("snr_db", Value::F32(plot.snr_db))?;
     table.put("cell_count", Value::U32(plot.cell_count))?;
     table.put("flags", Value::U32(plot.flags))?;
+    table.put("source_id", Value::U32(plot.source_id))?;
+    table.put_if(plot.target_id != 0, "target_id", Value::U32(plot.target_id))?;
     table.end_row()
 }
 
@@ -107,8 +109,15 @@ fn put_track(header: &TracksHeader, track: &Track, table: &mut impl Table) -> io
     put_all(&SIGMA_COLUMNS, &sigmas, table)?;
     table.put("existence", Value::F64(track.existence))?;
     put_all(&MODE_COLUMNS, &track.mode_probability, table)?;
+    table.put("gate_code", Value::U32(track.gate_code))?;
+    table.put("gate_volume", Value::F64(track.gate_volume))?;
     table.put("plots_in_gate", Value::U32(track.plots_in_gate))?;
     table.put("weight_none", Value::F64(track.weight_none))?;
+    let found = track.best_plot_index != u32::MAX;
+    table.put_if(found, "weight_best", Value::F64(track.weight_best))?;
+    table.put_if(found, "best_plot_seq", Value::U64(track.best_plot_seq))?;
+    table.put_if(found, "best_plot_index", Value::U32(track.best_plot_index))?;
+    table.put("snr_db", Value::F32(track.snr_db))?;
     table.put("age_scans", Value::U32(track.age_scans))?;
     table.put("hits", Value::U32(track.hits))?;
     table.put("misses", Value::U32(track.misses))?;

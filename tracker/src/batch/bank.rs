@@ -75,6 +75,8 @@ pub struct Bank {
     candidates: Candidates,
     weights: Weights,
     chosen: [Vec<u32>; LANES],
+    /// Plots in the window of the lane at hand.
+    near: Vec<u32>,
 }
 
 impl Bank {
@@ -90,6 +92,7 @@ impl Bank {
             candidates: Candidates::default(),
             weights: Weights::default(),
             chosen: Default::default(),
+            near: Vec::new(),
         }
     }
 
@@ -128,7 +131,7 @@ impl Bank {
         mut offer: impl FnMut(usize, f64) -> Offer,
         mut passed: impl FnMut(Passed<'_>),
     ) {
-        let Self { kernel, blocks, len, index, here, forecast, candidates, weights, chosen } = self;
+        let Self { kernel, blocks, len, index, here, forecast, candidates, weights, chosen, near } = self;
         let mut reach = Reach::new(kernel.alpha, scan.time_ns);
         index.build(scan.plots.iter().inspect(|plot| reach.widen(plot)));
         let step = Step::splat(scan.dt_s, scan.transition);
@@ -144,7 +147,8 @@ impl Bank {
                 candidates.set_none(lane, [1.0 - offer.detection_probability * own; MODES]);
                 let gates = Gates::new(forecast, lane, &reach);
                 chosen[lane].clear();
-                for &near in index.near(&gates.window).flatten() {
+                index.find(&gates.window, near);
+                for &near in near.iter() {
                     let plot = &scan.plots[near as usize];
                     if plot.power < offer.threshold {
                         continue;
@@ -232,7 +236,7 @@ impl Gates {
                 }
             }
         }
-        let window = Window { azimuth_rad: middle, half_azimuth_rad, range_m: hull[0] };
+        let window = Window { azimuth_rad: middle, half_azimuth_rad, range_m: hull[0], elevation_rad: hull[2] };
         Self { modes, hull, window }
     }
 

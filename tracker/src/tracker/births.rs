@@ -115,11 +115,12 @@ impl Tracker {
     }
 
     /// The best plot of the turn before for a start, and the time between the two.
-    fn partner(&self, last: &Measurement, angle_rad: f64) -> Option<(Measurement, f64)> {
+    fn partner(&mut self, last: &Measurement, angle_rad: f64) -> Option<(Measurement, f64)> {
         let period_s = self.sweep.period_s();
         let half_azimuth_rad = self.reach.azimuth_rad(last, LONGEST_STEP * period_s);
         let mut best: Option<(f64, usize, f64)> = None;
-        for index in self.earlier.near(last, half_azimuth_rad, &self.reach, period_s) {
+        self.earlier.find(last, half_azimuth_rad, &self.reach, period_s);
+        for index in self.earlier.found() {
             let (previous, entry) = (&self.plots.measurements(index..index + 1)[0], self.plots.entry(index));
             let step_s = seconds_between(previous.time_ns, last.time_ns);
             if step_s < SHORTEST_STEP * period_s
@@ -145,6 +146,8 @@ pub(super) struct Earlier {
     index: PlotIndex,
     /// Largest variance of range.
     variance: f64,
+    /// What was found last, from `first` on.
+    found: Vec<u32>,
 }
 
 impl Earlier {
@@ -162,16 +165,15 @@ impl Earlier {
         self.index.build(plots.measurements(range).iter().inspect(|plot| *variance = variance.max(plot.variance[0])));
     }
 
-    /// Stored plots in reach of `last`, and some beyond it.
-    fn near(
-        &self,
-        last: &Measurement,
-        half_azimuth_rad: f64,
-        reach: &Reach,
-        period_s: f64,
-    ) -> impl Iterator<Item = usize> {
+    /// Finds the plots in reach of `last`, and some beyond it.
+    fn find(&mut self, last: &Measurement, half_azimuth_rad: f64, reach: &Reach, period_s: f64) {
         let range_m = reach.range_m(last, LONGEST_STEP * period_s, self.variance);
-        let window = Window { azimuth_rad: angle::wrap(last.polar[1]), half_azimuth_rad, range_m };
-        self.index.near(&window).flatten().map(|&plot| self.first + plot as usize)
+        let (azimuth_rad, elevation_rad) = (angle::wrap(last.polar[1]), Window::ANY_ELEVATION);
+        self.index.find(&Window { azimuth_rad, half_azimuth_rad, range_m, elevation_rad }, &mut self.found);
+    }
+
+    /// The stored plots that were found.
+    fn found(&self) -> impl Iterator<Item = usize> {
+        self.found.iter().map(|&plot| self.first + plot as usize)
     }
 }

@@ -44,6 +44,8 @@ pub(super) struct Passages {
     unreached: Vec<Handle>,
     visits: Vec<Visit>,
     index: PlotIndex,
+    /// Plots of the index that lie in a window.
+    found: Vec<u32>,
     near: Vec<usize>,
     offers: Offers,
     sharing: Sharing,
@@ -67,6 +69,7 @@ impl Default for Passages {
             unreached: Vec::with_capacity(256),
             visits: Vec::new(),
             index: PlotIndex::default(),
+            found: Vec::new(),
             near: Vec::new(),
             offers: Offers::default(),
             sharing: Sharing::default(),
@@ -190,7 +193,7 @@ impl Tracker {
     /// Finds the plots of each visit, and what they are worth among several tracks.
     fn offer(&mut self, site: &Site) {
         let Self { config, rules, plots, tracks, passages, .. } = self;
-        let Passages { rivals, visits, index, near, offers, sharing, .. } = passages;
+        let Passages { rivals, visits, index, found, near, offers, sharing, .. } = passages;
         offers.clear();
         let due = |visit: &Visit| tracks[visit.place].next.due_rad();
         let from_rad = visits.iter().map(|visit| visit.from_rad).fold(f64::INFINITY, f64::min);
@@ -213,9 +216,11 @@ impl Tracker {
                 azimuth_rad: angle::wrap(track.next.angle_rad),
                 half_azimuth_rad: track.next.half_width_rad,
                 range_m: [range_m[0] - margin_m, range_m[1] + margin_m],
+                elevation_rad: Window::ANY_ELEVATION,
             };
+            index.find(&window, found);
             near.clear();
-            near.extend(index.near(&window).flatten().map(|&plot| stored.start + plot as usize));
+            near.extend(found.iter().map(|&plot| stored.start + plot as usize));
             near.retain(|&plot| (visit.from_rad..=track.next.due_rad()).contains(&plots.entry(plot).angle_rad));
             near.sort_unstable();
             let first = offers.measurements.len();

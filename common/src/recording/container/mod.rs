@@ -101,7 +101,8 @@ pub struct Description {
 }
 
 impl Description {
-    fn to_map(&self) -> BTreeMap<String, String> {
+    /// By the names of the fields.
+    pub fn to_map(&self) -> BTreeMap<String, String> {
         let pairs = [
             ("site", self.site.clone()),
             ("config", self.config.clone()),
