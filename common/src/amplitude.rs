@@ -79,6 +79,12 @@ impl Detector {
         if self.reference_cells < 2 { 1.0 } else { (n + self.threshold) / (n - 1.0) }
     }
 
+    /// Share of false plots that exceed t ≥ t₀, those of clutter whose q − t₀ has the mean `mean_excess` (0: noise alone).
+    pub fn false_share_above(&self, t: f64, mean_excess: f64) -> f64 {
+        let noise = self.noise_survival(t) / self.pfa;
+        if mean_excess > 0.0 { noise.max((-(t - self.threshold) / mean_excess).exp()) } else { noise }
+    }
+
     /// The same detector before a target of mean signal-to-noise ratio `snr` (power ratio ≥ 0).
     pub fn target(&self, swerling: Swerling, snr: f64) -> TargetStatistics {
         self.target_of(swerling, [snr; SNR_POINTS], 1)

@@ -18,7 +18,8 @@ Examples:
   experiments crossing --page docs/results.md         run it again and renew its tables in the page
   experiments all --quick                             whether everything works, in seconds
 
-The same seed and number of runs give the same figures on any machine and number of threads.";
+The same seed and number of runs give the same figures on any number of threads, and on machines of the same
+vector instructions.";
 
 /// Monte Carlo experiments on the chain's own code, every figure with its 95 % interval.
 #[derive(Debug, Parser)]

@@ -1,7 +1,7 @@
 //! What is known of a target's signal-to-noise ratio (T19), (T20.5).
 //!
 //! ```text
-//! Ŝ = mean of q_m − t₀ − 1 over the track's own plots                               (T19)
+//! Ŝ = mean of q_m − t − 1 over the track's own plots, t the threshold that they exceeded            (T19)
 //! ```
 //!
 //! This holds because the part of an exponential power above a threshold has the same mean as the whole. A prior counts for some
@@ -22,7 +22,7 @@ const SNR_STEP_DB: f64 = 0.25;
 /// What is known of a target's amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Amplitude {
-    /// Σ weight · (q − t₀ − 1), prior included.
+    /// Σ weight · (q − t − 1), prior included.
     power: f64,
     /// Σ weight, prior included.
     scans: f64,
@@ -42,10 +42,10 @@ impl Amplitude {
         }
     }
 
-    /// A plot of power `q` that is the target's with probability `weight` (T19).
-    pub fn learn(&mut self, q: f64, weight: f64, detector: &Detector) {
+    /// A plot of power `q`, one of those above `threshold`, that is the target's with probability `weight` (T19).
+    pub fn learn(&mut self, q: f64, weight: f64, threshold: f64) {
         let keep = 1.0 - (1.0 - FORGETTING) * weight;
-        self.power = keep * self.power + weight * (q - detector.threshold - 1.0);
+        self.power = keep * self.power + weight * (q - threshold - 1.0);
         self.scans = keep * self.scans + weight;
     }
 
@@ -80,25 +80,31 @@ mod tests {
     use common::random::{Purpose, generator};
     use rand_distr::{Distribution, Exp};
 
+    /// Whatever the threshold: the detector's, and the higher one of a scan (T20.2).
     #[test]
     fn the_mean_excess_finds_the_signal_to_noise_ratio() {
         let config = TrackerConfig { snr_db: 12.0, ..TrackerConfig::default() };
         let detector = Detector::new(1e-6, 0);
-        let mut amplitude = Amplitude::prior(&config, &detector);
-        let mut rng = generator(3, Purpose::Test, 0, 0);
-        let power = Exp::new(1.0 / (1.0 + from_db(20.0))).expect("positive");
-        let mut mean = 0.0;
-        for scan in 0..2000 {
-            let q = power.sample(&mut rng);
-            if q > detector.threshold {
-                amplitude.learn(q, 1.0, &detector);
+        for (true_db, raised) in [(20.0, 0.0), (20.0, 40.0), (14.0, 30.0)] {
+            let threshold = detector.threshold + raised;
+            let mut amplitude = Amplitude::prior(&config, &detector);
+            let mut rng = generator(3, Purpose::Test, 0, 0);
+            let power = Exp::new(1.0 / (1.0 + from_db(true_db))).expect("positive");
+            let (mut mean, mut seen) = (0.0, 0);
+            while seen < 3000 {
+                let q = power.sample(&mut rng);
+                if q <= threshold {
+                    continue;
+                }
+                seen += 1;
+                amplitude.learn(q, 1.0, threshold);
+                amplitude.look(&config, &detector);
+                if seen > 1000 {
+                    mean += amplitude.snr_db() / 2000.0;
+                }
             }
-            amplitude.look(&config, &detector);
-            if scan >= 1000 {
-                mean += amplitude.snr_db() / 1000.0;
-            }
+            assert!((mean - true_db).abs() < 0.7, "{true_db} dB, raised by {raised}: {mean}");
         }
-        assert!((mean - 20.0).abs() < 0.7, "{mean}");
         assert_eq!(config.swerling, Swerling::One);
     }
 }

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! (T20) is the rule `union` of all modes with parametric clutter: with λ/ρ_c = ℓ/(D ρ₀) the weights are those of
-//! b_j = 1 − D P_G, e_jm ℓ(q_m)/ρ₀(p_m). In a gate that holds too many false plots only the stronger ones are looked at, and D
-//! in b_j is the probability of exceeding that threshold.
+//! b_j = 1 − D P_G, e_jm ℓ(q_m)/ρ₀(p_m). In a gate that holds too many false plots only the stronger ones are looked at, D
+//! in b_j is the probability of exceeding that threshold, and λ_m counts for as many plots as exceed it (T20.2).
 //!
 //! Clutter that varies over the gate enters by λ_m: it is multiplied by ρ_c over the density at the
 //! plot. Nearest and strongest neighbour are the same with one candidate, λ = 1 and b = 0.
@@ -137,6 +137,28 @@ impl<F> Surroundings<'_, F> {
     /// Share of a plot, 1 without rivals.
     pub fn share(&self, plot: usize) -> f64 {
         self.shares.get(plot).copied().unwrap_or(1.0)
+    }
+
+    /// What λ/ρ_c of a plot is to be multiplied by where only plots of at least t are looked at: with statistics ℓ knows of no
+    /// threshold, but M/V counts the plots above t only; without, a plot is one of fewer false and fewer true ones (T20.2).
+    ///
+    /// ```text
+    /// with statistics       1  (parametric)              F(t)/F   (non-parametric)
+    /// without               F/F(t) · D(t)/D              D(t)/D
+    /// ```
+    fn above(&self, selection: &Selection, here: FalsePlots, with_statistics: bool, parametric: bool) -> f64 {
+        let Some(detector) = self.target.map(TargetStatistics::detector) else { return 1.0 };
+        if selection.threshold <= detector.threshold {
+            return 1.0;
+        }
+        let false_plots = || detector.false_share_above(selection.threshold, here.mean_excess);
+        let target = selection.detection_probability / self.detection_probability;
+        match (with_statistics, parametric) {
+            (true, true) => 1.0,
+            (true, false) => false_plots(),
+            (false, true) => target / false_plots(),
+            (false, false) => target,
+        }
     }
 
     /// D for plots of at least `threshold`.
@@ -273,6 +295,11 @@ pub fn weigh<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
         let ratio = match surroundings.target {
             Some(target) if with_statistics => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
             _ => 1.0,
+        };
+        let ratio = if plot.has_power {
+            ratio * surroundings.above(selection, here, with_statistics, parametric)
+        } else {
+            ratio
         };
         candidate.alone = if parametric { ratio * reference / here.density } else { ratio };
         candidate.ratio = candidate.alone * surroundings.share(candidate.plot);

@@ -57,7 +57,7 @@ pub struct Claimant<'a> {
     pub existence: f64,
     /// D.
     pub detection_probability: f64,
-    /// Statistics of its power; without, λ = 1.
+    /// Statistics of its power; without, or where they are not used, λ = 1.
     pub target: Option<&'a TargetStatistics>,
     /// Whether it has been seen apart from all others: two such tracks may have a plot in common. Others may be one target.
     pub seen_apart: bool,

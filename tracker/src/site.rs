@@ -131,7 +131,7 @@ impl Site {
             time_ns: passage.time_ns,
             existence: track.life.existence,
             detection_probability: self.detection_probability(config, &track.amplitude),
-            target: self.statistics(&track.amplitude),
+            target: self.statistics(&track.amplitude).filter(|_| config.association.uses_power()),
             seen_apart: track.is_seen_apart(config),
         }
     }

@@ -171,7 +171,7 @@ impl Follower {
         let posterior = two_plots(first, second, STEP_S, &self.motion, START_PROBABILITY);
         let mut amplitude = Amplitude::prior(&self.config, &self.detector);
         for plot in [first, second] {
-            amplitude.learn(plot.power, 1.0, &self.detector);
+            amplitude.learn(plot.power, 1.0, self.detector.threshold);
         }
         let hypotheses = (self.config.association == Association::Mht)
             .then(|| Hypotheses::new(&posterior, self.config.hypotheses as usize));
@@ -239,7 +239,8 @@ impl Follower {
         }
         for (candidate, weights) in self.workspace.candidates.iter().zip(&self.workspace.weights) {
             let weight: f64 = (0..MODES).map(|j| outcome.posterior.probability[j] * weights[j]).sum();
-            pursuit.amplitude.learn(self.plots[candidate.plot].power, weight, &self.detector);
+            let threshold = outcome.selection.threshold.max(self.detector.threshold);
+            pursuit.amplitude.learn(self.plots[candidate.plot].power, weight, threshold);
         }
         pursuit.posterior = outcome.posterior;
         self.judge(pursuit, k, sight, &prediction, &outcome);

@@ -72,7 +72,7 @@ impl Tracker {
         }
         let mut amplitude = Amplitude::prior(&self.config, &site.detector);
         for plot in [&previous, last].into_iter().filter(|plot| plot.has_power) {
-            amplitude.learn(plot.power, 1.0, &site.detector);
+            amplitude.learn(plot.power, 1.0, site.detector.threshold);
         }
         let hypotheses = (self.config.association == Association::Mht).then(|| match self.tracks.spare_hypotheses() {
             Some(mut hypotheses) => {

@@ -332,6 +332,7 @@ impl Tracker {
         }
         // The plots that are its own come before those that it has in common with another.
         claims.clear();
+        let threshold = outcome.selection.threshold.max(site.detector.threshold);
         let mut alone: Option<(usize, f64)> = None;
         let mut surest_own = 0.0_f64;
         for (candidate, weights) in workspace.candidates.iter().zip(&workspace.weights) {
@@ -346,7 +347,7 @@ impl Tracker {
                 surest_own = surest_own.max(weight);
                 let plot = &offers.measurements[offer];
                 if plot.has_power {
-                    track.amplitude.learn(plot.power, weight, &site.detector);
+                    track.amplitude.learn(plot.power, weight, threshold);
                 }
                 let weight = if candidate.ratio > 0.0 { weight * (candidate.alone / candidate.ratio) } else { 0.0 };
                 if alone.is_none_or(|(_, most)| weight > most) {
