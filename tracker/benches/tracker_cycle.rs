@@ -43,7 +43,10 @@ use tracker::update::{Workspace, update};
 /// Plots in each gate.
 const PLOTS: usize = 5;
 const SIGMA: [f32; COORDINATES] = [20.0, 0.001_745, 0.001_745, 10.0];
-const MOTION: Motion = Motion { noise: [1.0, 1.0, 7.0], axes: 3 };
+/// The default settings.
+const MOTION: Motion = Motion { noise: [0.9, 0.8, 7.5], axes: 3 };
+const ALPHA: f64 = 3.5;
+const INFLATION: f64 = 0.45;
 
 /// Azimuths, ranges and elevations of the lattice.
 type Lattice = [u32; 3];
@@ -113,7 +116,7 @@ fn batch(criterion: &mut Criterion, group: &str, own_errors: bool, lattices: &[L
     let chain = transition(0.9, 1.0);
     for &lattice in lattices {
         let scene = scene(lattice, own_errors);
-        let mut bank = Bank::new(Kernel::new(MOTION, radar(), 3.0, 0.0));
+        let mut bank = Bank::new(Kernel::new(MOTION, radar(), ALPHA, INFLATION));
         for track in &scene.tracks {
             bank.push(track);
         }
