@@ -50,7 +50,7 @@ impl ClutterMap {
         let layer = |range_cells, azimuth_rad, prior_scans| {
             Layer::new(&radar, range_cells, azimuth_rad, prior_scans, memory_scans > 0)
         };
-        let layers = [layer(1.0, TAU, 1.0), layer(4.0, TAU / 24.0, 2.0), layer(2.0, 2.0 * radar.cell[1], 10.0)];
+        let layers = [layer(1.0, TAU, 1.0), layer(4.0, TAU / 24.0, 2.0), layer(2.0, 2.0 * radar.cell[1], 40.0)];
         Self { radar, detector, base, memory_scans: f64::from(memory_scans), first_scan: None, layers }
     }
 

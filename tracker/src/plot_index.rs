@@ -111,6 +111,7 @@ impl PlotIndex {
     /// the window, once, and some beside it. `found` is written anew.
     pub fn find(&self, window: &Window, found: &mut Vec<u32>) {
         found.clear();
+        found.reserve(self.sorted.capacity()); // no window holds more
         let [from_m, to_m] = window.range_m;
         let half = window.half_azimuth_rad + MARGIN;
         if !(from_m <= to_m && half >= 0.0 && window.azimuth_rad.is_finite()) || self.sorted.is_empty() {

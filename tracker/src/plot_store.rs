@@ -2,6 +2,7 @@
 //!
 //! A track looks only at the plots between two angles, found by bisection.
 
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -35,6 +36,10 @@ pub struct PlotStore {
     measurements: Vec<Measurement>,
     /// Entries that have been settled (see [`PlotStore::settle`]).
     settled: usize,
+    /// Whether a plot has been added before its place in the order.
+    disordered: bool,
+    /// Where plots lie that belong in this order, reused.
+    order: Vec<usize>,
 }
 
 impl PlotStore {
@@ -43,6 +48,7 @@ impl PlotStore {
         self.entries.clear();
         self.measurements.clear();
         self.settled = 0;
+        self.disordered = false;
     }
 
     /// The angle at which to keep a plot seen at `angle_rad`: its own, or that of the newest settled plot if it lies no
@@ -52,14 +58,30 @@ impl PlotStore {
         (angle_rad >= settled_rad - tolerance_rad).then(|| angle_rad.max(settled_rad))
     }
 
-    /// Adds a plot at its place. Plots come nearly in order, so few are moved.
-    pub fn insert(&mut self, entry: Entry, measurement: Measurement) {
-        let mut place = self.entries.len();
-        while place > self.settled && precedes(&entry, &self.entries[place - 1]) {
-            place -= 1;
+    /// Adds a plot behind all others. [`PlotStore::sort`] must follow the last plot of a message.
+    pub fn push(&mut self, entry: Entry, measurement: Measurement) {
+        self.disordered |= self.entries.last().is_some_and(|last| by_angle(&entry, last).is_lt());
+        self.entries.push(entry);
+        self.measurements.push(measurement);
+    }
+
+    /// Brings the plots that are not settled into order. Plots mostly come in order, and then nothing is done.
+    pub fn sort(&mut self) {
+        if !std::mem::take(&mut self.disordered) {
+            return;
         }
-        self.entries.insert(place, entry);
-        self.measurements.insert(place, measurement);
+        let Self { entries, measurements, order, .. } = self;
+        let unsettled = self.settled..entries.len();
+        order.clear();
+        order.extend(unsettled.clone());
+        // Stable by its last key; a stable sort would allocate.
+        order.sort_unstable_by(|&a, &b| by_angle(&entries[a], &entries[b]).then(a.cmp(&b)));
+        for &plot in order.iter() {
+            entries.push(entries[plot]);
+            measurements.push(measurements[plot]);
+        }
+        entries.drain(unsettled.clone());
+        measurements.drain(unsettled);
     }
 
     /// Drops plots that no track or start can still ask for. Moves the rest only when much is to be dropped.
@@ -104,6 +126,52 @@ impl PlotStore {
 }
 
 /// Order of plots; the last two keys make it independent of the order of arrival.
-fn precedes(a: &Entry, b: &Entry) -> bool {
-    (a.angle_rad, a.seq, a.index) < (b.angle_rad, b.seq, b.index)
+fn by_angle(a: &Entry, b: &Entry) -> Ordering {
+    a.angle_rad.total_cmp(&b.angle_rad).then(a.seq.cmp(&b.seq)).then(a.index.cmp(&b.index))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn entry(angle_rad: f64, seq: u64, index: u32) -> Entry {
+        Entry { angle_rad, seq, index, explained: 0.0, claimed: 0.0, owner: None }
+    }
+
+    fn measurement(angle_rad: f64) -> Measurement {
+        Measurement {
+            time_ns: 0,
+            position: [0.0; 3],
+            polar: [1000.0, angle_rad, 0.0, 0.0],
+            variance: [1.0; 4],
+            power: 0.0,
+            measured: [true; 4],
+            has_power: false,
+        }
+    }
+
+    proptest! {
+        /// Against plots inserted one by one. Angles are whole numbers, so that many are equal; of each message's plots some are settled.
+        #[test]
+        fn plots_lie_in_order_and_settled_ones_stay(
+            messages in prop::collection::vec((prop::collection::vec(0u32..20, 0..30), 0u32..20), 1..8),
+        ) {
+            let (mut store, mut expected) = (PlotStore::default(), Vec::<Entry>::new());
+            let mut settled = 0;
+            for (seq, (angles, settle)) in messages.into_iter().enumerate() {
+                for (index, angle) in angles.into_iter().enumerate() {
+                    let Some(angle_rad) = store.admit(f64::from(angle), 2.0) else { continue };
+                    let entry = entry(angle_rad, seq as u64, index as u32);
+                    store.push(entry, measurement(angle_rad));
+                    let place = expected[settled..].partition_point(|other| by_angle(other, &entry).is_le());
+                    expected.insert(settled + place, entry);
+                }
+                store.sort();
+                prop_assert_eq!(&store.entries, &expected);
+                prop_assert!(store.entries.iter().zip(&store.measurements).all(|(a, b)| a.angle_rad.to_bits() == b.polar[1].to_bits()));
+                settled = store.settle(f64::from(settle)).end;
+            }
+        }
+    }
 }

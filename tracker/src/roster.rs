@@ -6,6 +6,7 @@
 use common::tracks::TERMINATED;
 
 use crate::hypotheses::Hypotheses;
+use crate::imm::Imm;
 use crate::track::LiveTrack;
 
 /// Where a track is.
@@ -86,9 +87,19 @@ impl Roster {
         self.free.push(place as u32);
     }
 
-    /// Hypotheses that nobody uses.
-    pub fn spare_hypotheses(&mut self) -> Option<Hypotheses> {
-        self.left.pop()
+    /// Hypotheses for a track that begins with `posterior`, at most so many. Where none are left over, there will be as many as
+    /// there are tracks: their number varies by chance, and should not grow for ever.
+    pub fn hypotheses(&mut self, posterior: &Imm, most: usize) -> Hypotheses {
+        if self.left.is_empty() {
+            self.left.extend((0..self.places.len()).map(|_| Hypotheses::new(posterior, most)));
+        }
+        match self.left.pop() {
+            Some(mut hypotheses) => {
+                hypotheses.restart(posterior);
+                hypotheses
+            }
+            None => Hypotheses::new(posterior, most),
+        }
     }
 }
 

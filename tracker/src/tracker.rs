@@ -131,6 +131,7 @@ impl Tracker {
                 taken.rejected.count(reason);
             }
         }
+        self.plots.sort();
         let covered_rad = self.sweep.covered_to_rad();
         self.process_due(covered_rad, header.has(END_OF_STREAM), &site, tracks);
         self.start_tracks(covered_rad, &mut site, tracks);
@@ -149,7 +150,7 @@ impl Tracker {
         let tolerance_rad = LATE_CELLS * header.cell_azimuth_rad;
         let angle_rad = self.plots.admit(angle_rad, tolerance_rad).ok_or(Reject::Late)?;
         let (seq, index) = (header.seq, index as u32);
-        self.plots.insert(Entry { angle_rad, seq, index, explained: 0.0, claimed: 0.0, owner: None }, measurement);
+        self.plots.push(Entry { angle_rad, seq, index, explained: 0.0, claimed: 0.0, owner: None }, measurement);
         Ok(())
     }
 

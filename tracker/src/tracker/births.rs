@@ -10,7 +10,6 @@ use common::units::seconds_between;
 
 use super::{EXPLAINED, Tracker};
 use crate::amplitude::Amplitude;
-use crate::hypotheses::Hypotheses;
 use crate::initiation::Reach;
 use crate::life::Life;
 use crate::measurement::Measurement;
@@ -74,13 +73,8 @@ impl Tracker {
         for plot in [&previous, last].into_iter().filter(|plot| plot.has_power) {
             amplitude.learn(plot.power, 1.0, site.detector.threshold);
         }
-        let hypotheses = (self.config.association == Association::Mht).then(|| match self.tracks.spare_hypotheses() {
-            Some(mut hypotheses) => {
-                hypotheses.restart(&posterior);
-                hypotheses
-            }
-            None => Hypotheses::new(&posterior, self.config.hypotheses as usize),
-        });
+        let hypotheses = (self.config.association == Association::Mht)
+            .then(|| self.tracks.hypotheses(&posterior, self.config.hypotheses as usize));
         let id = self.next_id;
         self.next_id += 1;
         let (time_ns, angle_rad) = (last.time_ns, entry.angle_rad);
