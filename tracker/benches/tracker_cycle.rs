@@ -144,13 +144,13 @@ fn batch(criterion: &mut Criterion, group: &str, own_errors: bool, lattices: &[L
 }
 
 fn tracker_cycle(criterion: &mut Criterion) {
-    batch(criterion, "tracker_cycle", false, &[[1, 1, 1], [25, 10, 4], [100, 25, 4], [250, 100, 4]]);
-    batch(criterion, "tracker_cycle_own_errors", true, &[[25, 10, 4]]);
+    batch(criterion, "tracker_cycle", false, &[[1, 1, 1], [20, 10, 5], [100, 20, 5], [200, 100, 5]]);
+    batch(criterion, "tracker_cycle_own_errors", true, &[[20, 10, 5]]);
 }
 
 /// The same one track at a time, each offered its own plots: no index, and the rule of the configuration.
 fn tracker_cycle_plain(criterion: &mut Criterion) {
-    let scene = scene([25, 10, 4], false);
+    let scene = scene([20, 10, 5], false);
     let rules = Rules::new(&TrackerConfig::default());
     let radar = radar();
     let target = Detector::new(1e-2, 0).target(Swerling::One, 20.0);
