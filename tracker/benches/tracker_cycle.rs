@@ -3,18 +3,17 @@
 //! Ids are `tracks x plots in each gate`; times are per whole scan, on one core, in f64.
 //!
 //! The tracks stand on a lattice of azimuth, range (2 to 50 km) and elevation (0 to 0.4 rad), so far apart that their
-//! gates (some ±12 mrad and ±150 m at the start) do not overlap: each holds its own five plots. Plots and tracks come in the order in
+//! gates (some ±14 mrad and ±175 m at the start) do not overlap: each holds its own five plots. Plots and tracks come in the order in
 //! which a turning beam meets them. The plots stay the same from scan to scan, so each track settles and what is timed is
 //! the steady state.
 //!
 //! **Limits.** Arithmetic: 5040 multiplications and additions a track and 159 a plot, 5835 here: 182 cycles of two eight-lane fused
 //! operations, 0.065 µs at 2.8 GHz. Memory: a track is 744 bytes, read and written in each scan; its five plots are 560
-//! bytes, read once for the index and once for the gates, and 100 are the index: 2.7 kB. 1000 tracks stay in the second-level cache (99 GB/s in
-//! place on the machine of `docs/adr/0010`); 10,000 and more do not. There one core reads 11.6 GB/s and moves 19.8 in place, so that a
-//! track cannot take less than 0.19 µs for its memory alone, which is 0.4 times what all of it takes from the cache: time per track grows where the bank leaves the
-//! cache, unless all loads were hidden behind arithmetic. It does grow, from 0.42 µs at 1000 tracks over 0.66 (10,000) to 0.83 µs (100,000), and
-//! about half of that growth is not explained by bandwidth. The translation of addresses is a tenth of it: with huge pages
-//! (`GLIBC_TUNABLES=glibc.malloc.hugetlb=1`) the three are 0.41, 0.62 and 0.79 µs.
+//! bytes, read once for the index and once for the gates, and 140 are the index: 2.8 kB. 1000 tracks stay in the second-level cache; 10,000 and more
+//! do not. Time per track grows from 0.57 µs at 1000 tracks over 0.65 (10,000) to 0.82 (100,000), best of six rounds on a 2-core Intel Xeon VM,
+//! 2026-11-26, factor 1.44: of the 0.25, tracks without plots are 0.05, the index 0.05, and plots and gates 0.15, where 25 plots near a track (five tracks
+//! above each other) are no longer in the caches. The same number of neighbours stands about each track at every number, or else time would
+//! measure those: with two tracks above each other for 1000 and five for 100,000 the factor was 1.7 to 2.
 //!
 //! `plot_index` is the index alone: sorting, and one window of four expected plots about each plot.
 //!
