@@ -1,5 +1,5 @@
-//! The command lines and the environment of the systemd units, run as systemd would run them by a service manager of this
-//! test: it needs neither a systemd that can be booted nor root. `deploy.rs` has the real one.
+//! The command lines and the environment of the systemd units of a simulated chain, run by a service manager of this test:
+//! it needs neither a systemd that can be booted nor root, and has no sandbox. `deploy.rs` has the real one.
 
 mod support;
 
@@ -160,6 +160,7 @@ impl<'a> Service<'a> {
         let pause = self.unit.value("RestartSec").strip_suffix("ms").expect("milliseconds");
         std::thread::sleep(Duration::from_millis(pause.parse().expect("a number")));
         (self.ready, self.fed) = (false, false);
+        self.status.clear();
         self.child = Self::spawn(self.stage, &self.unit, self.places);
         self.restarts += 1;
     }
@@ -226,8 +227,9 @@ fn the_units_lines_start_restart_after_a_kill_and_stop_in_order_without_systemd(
     assert!(services.iter().all(|one| one.restarts == 1));
     drop(services);
 
-    let left = std::fs::read_dir(places.of("/run/radar-chain")).expect("the folder of the chain").count();
-    assert_eq!(left, 0, "nothing is left of the domain");
+    let chain = common::config::load(Some(&places.of("/etc/radar-chain/chain.toml")), &[]).expect("a configuration");
+    let left = common::ipc::Domain::remains(&chain.ipc);
+    assert!(left.is_empty(), "{left:?}");
     let report = std::fs::read(places.of("/var/lib/radar-chain/report.json")).expect("a report");
     let report: Report = serde_json::from_slice(&report).expect("a report");
     assert!(report.scans >= 5, "{} scans", report.scans);

@@ -69,13 +69,10 @@ pub(crate) fn export(path: &Path, topics: &[Topic], format: Format, out: &Path) 
         }
         message.is_ok()
     });
-    let files =
-        export::export(readable, &description.unwrap_or_default(), topics, format, out).map_err(
-            |error| match error {
-                ExportError::Recording(error) => in_file(path, &error),
-                other => BadInput(other.to_string()),
-            },
-        )?;
+    let files = export::export(readable, description.as_ref(), topics, format, out).map_err(|error| match error {
+        ExportError::Recording(error) => in_file(path, &error),
+        other => BadInput(other.to_string()),
+    })?;
     let lines: Vec<String> = files.iter().map(|(file, rows)| format!("{} {rows} rows\n", file.display())).collect();
     say(&lines.concat())?;
     Ok(if skipped { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })

@@ -55,7 +55,8 @@ fn description() -> Description {
 
 /// Exports all topics and returns the rows or messages of each file.
 fn exported(messages: &[Recorded], format: Format, folder: &Path) -> Vec<u64> {
-    let files = export(messages.iter().cloned().map(Ok), &description(), &TOPICS, format, folder).expect("written");
+    let files =
+        export(messages.iter().cloned().map(Ok), Some(&description()), &TOPICS, format, folder).expect("written");
     files.into_iter().map(|(_, written)| written).collect()
 }
 
@@ -137,8 +138,9 @@ fn an_export_that_fails_leaves_no_file() {
     for format in [Format::Csv, Format::Parquet, Format::JsonLines, Format::McapJson] {
         let broken = RecordingError::Line { line: 7, message: "spoilt".into() };
         let recorded = messages().into_iter().map(Ok).chain(std::iter::once(Err(broken)));
-        let error =
-            export(recorded, &description(), &TOPICS, format, folder.path()).expect_err("a spoilt line").to_string();
+        let error = export(recorded, Some(&description()), &TOPICS, format, folder.path())
+            .expect_err("a spoilt line")
+            .to_string();
         assert_eq!(error, "line 7: spoilt");
         assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "{format:?}");
     }
@@ -149,8 +151,8 @@ fn a_topic_named_twice_is_written_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let recorded = messages();
     let topics = [Topic::Tracks, Topic::Plots, Topic::Tracks];
-    let files =
-        export(recorded.iter().cloned().map(Ok), &description(), &topics, Format::Csv, folder.path()).expect("written");
+    let files = export(recorded.iter().cloned().map(Ok), Some(&description()), &topics, Format::Csv, folder.path())
+        .expect("written");
     let wanted = [Topic::Plots, Topic::Tracks]
         .map(|topic| (folder.path().join(format!("{}.csv", topic.name())), elements(&recorded, topic)));
     assert_eq!(files, wanted);

@@ -58,7 +58,7 @@ pub struct PlotIndex {
     /// Bins per rad, and per m.
     per_rad: f64,
     per_m: f32,
-    /// Where each cell starts in `order`; one more than there are cells.
+    /// Where each cell starts in `sorted`; one more than there are cells.
     starts: Vec<u32>,
     /// Plots by cell, and by their own order within it.
     sorted: Vec<Entry>,
@@ -109,6 +109,7 @@ impl PlotIndex {
 
     /// Finds the plots in the azimuth bins that `window` touches and in its intervals of range and elevation: every plot in
     /// the window, once, and some beside it. `found` is written anew.
+    #[expect(clippy::needless_bitwise_bool, reason = "no branch to be guessed wrong")]
     pub fn find(&self, window: &Window, found: &mut Vec<u32>) {
         found.clear();
         found.reserve(self.sorted.capacity()); // no window holds more

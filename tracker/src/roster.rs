@@ -9,6 +9,9 @@ use crate::hypotheses::Hypotheses;
 use crate::imm::Imm;
 use crate::track::LiveTrack;
 
+/// Hypotheses that are made at once at most, of some 22 kB each.
+const MADE_IN_ADVANCE: usize = 64;
+
 /// Where a track is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Handle {
@@ -87,11 +90,11 @@ impl Roster {
         self.free.push(place as u32);
     }
 
-    /// Hypotheses for a track that begins with `posterior`, at most so many. Where none are left over, there will be as many as
-    /// there are tracks: their number varies by chance, and should not grow for ever.
+    /// Hypotheses for a track that begins with `posterior`, at most so many. Where none are left over, some are made in advance:
+    /// the number of tracks varies by chance, and should not allocate for ever.
     pub fn hypotheses(&mut self, posterior: &Imm, most: usize) -> Hypotheses {
         if self.left.is_empty() {
-            self.left.extend((0..self.places.len()).map(|_| Hypotheses::new(posterior, most)));
+            self.left.extend((0..self.places.len().min(MADE_IN_ADVANCE)).map(|_| Hypotheses::new(posterior, most)));
         }
         match self.left.pop() {
             Some(mut hypotheses) => {

@@ -315,7 +315,7 @@ fn followed_share(target: Target, snr: f64, fluctuates: bool) -> f64 {
                 turns.insert(time_s as u32);
             }
         }
-        followed += turns.range(settling..).count();
+        followed += turns.range(settling..scans).count();
     }
     followed as f64 / f64::from(runs as u32 * (scans - settling))
 }

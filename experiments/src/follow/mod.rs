@@ -240,7 +240,11 @@ impl Follower {
         for (candidate, weights) in self.workspace.candidates.iter().zip(&self.workspace.weights) {
             let weight: f64 = (0..MODES).map(|j| outcome.posterior.probability[j] * weights[j]).sum();
             let threshold = outcome.selection.threshold.max(self.detector.threshold);
-            pursuit.amplitude.learn(self.plots[candidate.plot].power, weight, threshold);
+            let power = self.plots[candidate.plot].power;
+            // Of several hypotheses each has its own threshold; that of the best one is taken.
+            if power >= threshold {
+                pursuit.amplitude.learn(power, weight, threshold);
+            }
         }
         pursuit.posterior = outcome.posterior;
         self.judge(pursuit, k, sight, &prediction, &outcome);

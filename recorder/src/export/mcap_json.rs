@@ -45,7 +45,7 @@ struct Body<'a, H, E> {
 impl McapJson {
     pub(super) fn create(
         file: BufWriter<File>,
-        description: &Description,
+        description: Option<&Description>,
         topics: &[Topic],
     ) -> Result<Self, RecordingError> {
         let mut mcap = mcap::WriteOptions::new()
@@ -54,7 +54,10 @@ impl McapJson {
             .compression_threads(0)
             .create(file)
             .map_err(failed)?;
-        mcap.write_metadata(&Metadata { name: "recording".into(), metadata: description.to_map() }).map_err(failed)?;
+        if let Some(description) = description {
+            let metadata = description.to_map();
+            mcap.write_metadata(&Metadata { name: "recording".into(), metadata }).map_err(failed)?;
+        }
         let mut channels = [0; TOPICS];
         for &topic in topics {
             let text = serde_json::to_vec_pretty(&schema(topic)).map_err(std::io::Error::from)?;

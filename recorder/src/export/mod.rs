@@ -72,13 +72,13 @@ pub enum ExportError {
 }
 
 /// Writes the messages of `topics` into `directory`; returns the files with their numbers of rows, lines or messages.
-/// Parquet and MCAP hold the `description` of the recording as well.
+/// Parquet and MCAP hold the `description` of the recording as well, if it has one.
 ///
 /// # Errors
 /// [`ExportError`].
 pub fn export(
     messages: impl Iterator<Item = Result<Recorded, RecordingError>>,
-    description: &Description,
+    description: Option<&Description>,
     topics: &[Topic],
     format: Format,
     directory: &Path,
@@ -147,7 +147,7 @@ trait Sink {
 
 fn create(
     path: &Path,
-    description: &Description,
+    description: Option<&Description>,
     topics: &[Topic],
     format: Format,
 ) -> Result<Box<dyn Sink>, RecordingError> {

@@ -53,11 +53,11 @@ enum Values {
 }
 
 impl ParquetTable {
-    pub(super) fn create(file: File, description: &Description, topic: Topic) -> io::Result<Self> {
+    pub(super) fn create(file: File, description: Option<&Description>, topic: Topic) -> io::Result<Self> {
         let mut layout = Layout { schema: format!("message {} {{", topic.name()), columns: Vec::new() };
         put_columns(topic, &mut layout)?;
         let schema = Arc::new(parse_message_type(&format!("{} }}", layout.schema)).map_err(failed)?);
-        let about = description.to_map().into_iter();
+        let about = description.map(Description::to_map).into_iter().flatten();
         let about = about.map(|(key, value)| KeyValue::new(format!("radar-chain.{key}"), value)).collect();
         let properties = WriterProperties::builder()
             .set_compression(Compression::ZSTD(ZstdLevel::default()))

@@ -346,7 +346,8 @@ impl Tracker {
             if offer < visit.common {
                 surest_own = surest_own.max(weight);
                 let plot = &offers.measurements[offer];
-                if plot.has_power {
+                // Of several hypotheses each has its own threshold; that of the best one is taken.
+                if plot.has_power && plot.power >= threshold {
                     track.amplitude.learn(plot.power, weight, threshold);
                 }
                 let weight = if candidate.ratio > 0.0 { weight * (candidate.alone / candidate.ratio) } else { 0.0 };
