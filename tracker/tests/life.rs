@@ -142,7 +142,9 @@ fn the_order_of_plots_in_a_message_does_not_matter_and_runs_repeat() {
     let stream = messages(Turning { false_plots: 400, ..Turning::default() }, &targets, 20);
     let reordered = |reorder: fn(&mut [Plot])| {
         let mut stream = stream.clone();
-        stream.iter_mut().for_each(|(_, plots)| reorder(plots));
+        for (_, plots) in &mut stream {
+            reorder(plots);
+        }
         stream
     };
     let by_azimuth = reordered(|plots| plots.sort_by(|a, b| a.azimuth_rad.total_cmp(&b.azimuth_rad)));
