@@ -199,7 +199,9 @@ mod tests {
             let mut near = vec![7; 3]; // of an earlier search
             index.find(&window, &mut near);
             let mut found = vec![0; plots.len()];
-            near.iter().for_each(|&plot| found[plot as usize] += 1);
+            for &plot in &near {
+                found[plot as usize] += 1;
+            }
             for (plot, found) in plots.iter().zip(found) {
                 let [range_m, azimuth_rad, elevation_rad, _] = plot.polar;
                 let holds = |[from, to]: [f64; 2], value: f64| (from..=to).contains(&value);
