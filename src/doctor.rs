@@ -212,10 +212,9 @@ fn leftovers(chain: &ChainConfig) -> Finding {
     // Files alone, without the folder that a living chain has; those of chains in another folder are not known here.
     let files = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
     dead.extend(files.filter_map(|file| {
-        let name = file.file_name().to_string_lossy().into_owned();
-        let prefix = name.split_once(".rc_")?.0.to_string();
+        let prefix = file.file_name().to_string_lossy().split_once(".rc_")?.0.to_string();
         let ipc = common::config::IpcConfig { prefix: prefix.clone(), ..chain.ipc.clone() };
-        (name.starts_with(&Domain::file_prefix(&ipc)) && !Domain::root(&ipc).exists()).then_some(prefix)
+        (!Domain::root(&ipc).exists() && !Domain::remains(&ipc).is_empty()).then_some(prefix)
     }));
     dead.sort_unstable();
     dead.dedup();

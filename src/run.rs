@@ -74,6 +74,9 @@ pub(crate) fn launch(
         }
         check_report_place(Path::new(&chain.recorder.report))?;
         Domain::enter(&chain.ipc)?.remove(); // what a killed chain has left
+        if !chain.soak.log.is_empty() {
+            let _ = std::fs::remove_file(&chain.soak.log); // of an earlier soak, to which nobody writes any more
+        }
         Domain::check_shared_memory(&chain)?;
     }
     let ended = supervise(&chain, orphans.as_ref(), companion);

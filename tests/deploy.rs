@@ -7,11 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use support::{output, text_of};
-
-const STAGES: [&str; 5] = ["keeper", "recorder", "tracker", "plot-extractor", "radar-sim"];
-/// A guard against hanging, not a measurement.
-const DEADLINE: Duration = Duration::from_secs(120);
+use support::{DEADLINE, UNITS, output, text_of};
 
 fn deploy() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("deploy")
@@ -49,7 +45,7 @@ fn units_are_clean_and_hardened() {
         command.arg(verb).arg(format!("--root={}", root.path().display())).args(more).arg(unit);
         output(&mut command)
     };
-    for stage in STAGES.into_iter().chain(["plot-source"]) {
+    for stage in UNITS.into_iter().chain(["plot-source"]) {
         let verified = analyze("verify", &[], &unit(stage));
         assert!(
             verified.status.success() && verified.stdout.is_empty() && verified.stderr.is_empty(),
@@ -141,11 +137,11 @@ fn units_start_restart_after_a_kill_and_stop_in_order() {
     };
     let enabled = systemd.run(&["systemctl", "enable", "--now", "radar-chain.target"]);
     assert!(enabled.status.success(), "{}", text_of(&enabled));
-    for stage in STAGES {
+    for stage in UNITS {
         systemd.wait_for(stage, || (systemd.show(&unit(stage), "ActiveState") == "active").then_some(()));
     }
     systemd.wait_for("scans", || systemd.scan("tracker").filter(|&scan| scan >= 3));
-    for stage in STAGES {
+    for stage in UNITS {
         let before = systemd.show(&unit(stage), "MainPID");
         let killed = systemd.run(&["systemctl", "kill", "-s", "KILL", "--kill-whom=main", &unit(stage)]);
         assert!(killed.status.success(), "{}", text_of(&killed));
@@ -161,7 +157,7 @@ fn units_start_restart_after_a_kill_and_stop_in_order() {
     }
     let stopped = systemd.run(&["systemctl", "stop", "radar-chain.target"]);
     assert!(stopped.status.success(), "{}", text_of(&stopped));
-    for stage in STAGES {
+    for stage in UNITS {
         let state = ["ActiveState", "Result", "ExecMainStatus"].map(|property| systemd.show(&unit(stage), property));
         assert_eq!(state, ["inactive", "success", "0"], "{stage}");
     }
@@ -171,7 +167,5 @@ fn units_start_restart_after_a_kill_and_stop_in_order() {
     // One run, three files at most: its beginning and what followed the kill of the recorder.
     let report = systemd.run(&["cat", "/var/lib/radar-chain/report.json"]);
     let report: common::report::Report = serde_json::from_slice(&report.stdout).expect("a report");
-    assert!(report.scans >= 5, "{} scans", report.scans);
-    assert_eq!(report.processes["recorder"].restarts, 1);
-    assert!(report.books.iter().all(common::report::Book::balances), "{:?}", report.books);
+    support::is_of_one_run(&report);
 }

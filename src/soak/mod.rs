@@ -26,7 +26,6 @@ use common::report::{Blocks, Percentiles, Report, Soak};
 
 use crate::board::Board;
 use crate::claim::Claim;
-use crate::orphans::Orphans;
 use crate::run::{Companion, Outcome, launch};
 use crate::screen::Screen;
 use crate::supervisor::Supervisor;
@@ -60,9 +59,6 @@ pub(crate) fn soak(mut chain: ChainConfig, plan: &Plan) -> anyhow::Result<ExitCo
     let place = |name: &str| out.join(name).display().to_string();
     chain.recorder.report = place("report.json");
     chain.soak.log = place("latency.hlog");
-    if Orphans::find(&chain)?.is_none() {
-        let _ = std::fs::remove_file(&chain.soak.log); // of an earlier soak, to which nobody writes any more
-    }
     let resources = Resources::create(&out, Duration::from_secs_f64(chain.soak.interval_s))?;
     let reference = plan.reference.then(|| Reference::of(&chain, &out));
     let mut companion =

@@ -11,7 +11,7 @@ use common::report::Report;
 use serde_json::Value;
 
 /// Longest time that anything is waited for: a guard against hanging, not a measurement.
-const DEADLINE: Duration = Duration::from_secs(120);
+pub(crate) const DEADLINE: Duration = Duration::from_secs(120);
 
 /// Configuration of the small radar.
 pub(crate) fn small_config() -> PathBuf {
@@ -208,6 +208,16 @@ pub(crate) fn text_of(output: &Output) -> String {
         String::from_utf8_lossy(&output.stdout),
         String::from_utf8_lossy(&output.stderr)
     )
+}
+
+/// The processes that the systemd units run for a simulated chain, in the order in which `After=` has them started.
+pub(crate) const UNITS: [&str; 5] = ["keeper", "recorder", "tracker", "plot-extractor", "radar-sim"];
+
+/// Checks the report of a run in which each of them was killed once: one run, whose books balance.
+pub(crate) fn is_of_one_run(report: &Report) {
+    assert!(report.scans >= 5, "{} scans", report.scans);
+    assert_eq!(report.processes["recorder"].restarts, 1);
+    assert!(report.books.iter().all(common::report::Book::balances), "{:?}", report.books);
 }
 
 /// The stages of a simulated chain.

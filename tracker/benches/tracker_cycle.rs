@@ -10,10 +10,8 @@
 //! **Limits.** Arithmetic: 5040 multiplications and additions a track and 159 a plot, 5835 here: 182 cycles of two eight-lane fused
 //! operations, 0.065 µs at 2.8 GHz. Memory: a track is 744 bytes, read and written in each scan; its five plots are 560
 //! bytes, read once for the index and once for the gates, and 140 are the index: 2.8 kB. 1000 tracks stay in the second-level cache; 10,000 and more
-//! do not. Time per track grows from 0.57 µs at 1000 tracks over 0.65 (10,000) to 0.82 (100,000), best of six rounds on a 2-core Intel Xeon VM,
-//! 2026-11-26, factor 1.44: of the 0.25, tracks without plots are 0.05, the index 0.05, and plots and gates 0.15, where 25 plots near a track (five tracks
-//! above each other) are no longer in the caches. The same number of neighbours stands about each track at every number, or else time would
-//! measure those: with two tracks above each other for 1000 and five for 100,000 the factor was 1.7 to 2.
+//! do not; figures are in `docs/results.md`. The same number of neighbours stands about each track at every number of tracks (five above each other),
+//! or else time would measure those.
 //!
 //! `plot_index` is the index alone: sorting, and one window of four expected plots about each plot.
 //!

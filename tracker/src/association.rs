@@ -296,11 +296,8 @@ pub fn weigh<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
             Some(target) if with_statistics => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
             _ => 1.0,
         };
-        let ratio = if plot.has_power {
-            ratio * surroundings.above(selection, here, with_statistics, parametric)
-        } else {
-            ratio
-        };
+        let above = if plot.has_power { surroundings.above(selection, here, with_statistics, parametric) } else { 1.0 };
+        let ratio = ratio * above;
         candidate.alone = if parametric { ratio * reference / here.density } else { ratio };
         candidate.ratio = candidate.alone * surroundings.share(candidate.plot);
     }

@@ -176,15 +176,8 @@ mod tests {
     use super::*;
 
     fn plot(range_m: f64, azimuth_rad: f64, power: f64) -> Measurement {
-        Measurement {
-            time_ns: 0,
-            position: [0.0; 3],
-            polar: [range_m, azimuth_rad, 0.005, 5.0],
-            variance: [1.0; 4],
-            power,
-            measured: [true; 4],
-            has_power: true,
-        }
+        let polar = [range_m, azimuth_rad, 0.005, 5.0];
+        Measurement { polar, power, has_power: true, ..Measurement::at(range_m, azimuth_rad) }
     }
 
     /// Sixty plots a scan on one ring: their density and power are known after a few scans, and nothing elsewhere.

@@ -47,6 +47,22 @@ pub struct Measurement {
     pub has_power: bool,
 }
 
+#[cfg(test)]
+impl Measurement {
+    /// A plot for tests: at a range and an azimuth, all coordinates measured with unit errors, no power.
+    pub(crate) fn at(range_m: f64, azimuth_rad: f64) -> Self {
+        Self {
+            time_ns: 0,
+            position: [0.0; 3],
+            polar: [range_m, azimuth_rad, 0.0, 0.0],
+            variance: [1.0; COORDINATES],
+            power: 0.0,
+            measured: [true; COORDINATES],
+            has_power: false,
+        }
+    }
+}
+
 impl Measurement {
     /// Converts a plot (T5); `None` if a value is impossible: not finite, no range, an elevation beyond
     /// the zenith, an error that is not positive, a negative statistic.

@@ -7,8 +7,7 @@
 //!        ▼  └───┴───┴───┘
 //! ```
 //! About as many cells as plots, so building is linear in the plots, and a query costs the entries of the cells that it
-//! touches. Those are looked at one after the other without a branch; the plots themselves are not, so one that lies outside
-//! costs a nanosecond. The buffers are kept: nothing is allocated once they have grown.
+//! touches. Those are looked at one after the other without a branch, and the plots themselves are not. The buffers are kept: nothing is allocated once they have grown.
 
 use std::f64::consts::{PI, TAU};
 
@@ -160,18 +159,6 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn plot(range_m: f64, azimuth_rad: f64) -> Measurement {
-        Measurement {
-            time_ns: 0,
-            position: [0.0; 3],
-            polar: [range_m, azimuth_rad, 0.0, 0.0],
-            variance: [1.0; 4],
-            power: 0.0,
-            measured: [true; 4],
-            has_power: false,
-        }
-    }
-
     proptest! {
         /// Against looking at every plot.
         #[test]
@@ -182,7 +169,7 @@ mod tests {
             narrow in 1e-4..1.0_f64,
         ) {
             let place = |(r, b, e, seen): (f64, f64, f64, u8)| {
-                let mut plot = plot(r, b);
+                let mut plot = Measurement::at(r, b);
                 plot.measured[2] = seen > 0;
                 plot.polar[2] = if seen > 0 { e } else { 0.0 };
                 plot
@@ -221,7 +208,7 @@ mod tests {
     #[test]
     fn a_window_across_north_looks_at_few_plots() {
         let plots: Vec<Measurement> =
-            (0..10_000).map(|k| plot(1e3 + f64::from(k % 97), f64::from(k) * TAU / 1e4)).collect();
+            (0..10_000).map(|k| Measurement::at(1e3 + f64::from(k % 97), f64::from(k) * TAU / 1e4)).collect();
         let mut index = PlotIndex::default();
         index.build(plots.iter());
         let elevation_rad = Window::ANY_ELEVATION;

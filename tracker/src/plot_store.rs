@@ -139,18 +139,6 @@ mod tests {
         Entry { angle_rad, seq, index, explained: 0.0, claimed: 0.0, owner: None }
     }
 
-    fn measurement(angle_rad: f64) -> Measurement {
-        Measurement {
-            time_ns: 0,
-            position: [0.0; 3],
-            polar: [1000.0, angle_rad, 0.0, 0.0],
-            variance: [1.0; 4],
-            power: 0.0,
-            measured: [true; 4],
-            has_power: false,
-        }
-    }
-
     proptest! {
         /// Against plots inserted one by one. Angles are whole numbers, so that many are equal; of each message's plots some are settled.
         #[test]
@@ -163,7 +151,7 @@ mod tests {
                 for (index, angle) in angles.into_iter().enumerate() {
                     let Some(angle_rad) = store.admit(f64::from(angle), 2.0) else { continue };
                     let entry = entry(angle_rad, seq as u64, index as u32);
-                    store.push(entry, measurement(angle_rad));
+                    store.push(entry, Measurement::at(1000.0, angle_rad));
                     let place = expected[settled..].partition_point(|other| by_angle(other, &entry).is_le());
                     expected.insert(settled + place, entry);
                 }

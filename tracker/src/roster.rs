@@ -96,13 +96,9 @@ impl Roster {
         if self.left.is_empty() {
             self.left.extend((0..self.places.len().min(MADE_IN_ADVANCE)).map(|_| Hypotheses::new(posterior, most)));
         }
-        match self.left.pop() {
-            Some(mut hypotheses) => {
-                hypotheses.restart(posterior);
-                hypotheses
-            }
-            None => Hypotheses::new(posterior, most),
-        }
+        let mut hypotheses = self.left.pop().unwrap_or_else(|| Hypotheses::new(posterior, most));
+        hypotheses.restart(posterior);
+        hypotheses
     }
 }
 

@@ -73,7 +73,7 @@ impl Domain {
 
     /// How the names of the domain's files in shared memory begin: the prefix, and the folder as a number, so that one
     /// prefix in two folders is two domains.
-    pub fn file_prefix(ipc: &IpcConfig) -> String {
+    fn file_prefix(ipc: &IpcConfig) -> String {
         let folder = Self::root(ipc);
         // FNV-1a: the same in every process and version.
         let number =
