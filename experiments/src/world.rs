@@ -61,6 +61,8 @@ impl Conditions {
 /// A target in one scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sight {
+    /// When, s since k = −1.
+    pub time_s: f64,
     /// Truth.
     pub truth: Kinematics,
     /// Its plot, whether detected or not.
@@ -71,18 +73,19 @@ pub struct Sight {
     pub mode: usize,
 }
 
-/// A target's plots at k = −1, 0, 1, … `SCANS`: index 0 is k = −1. Detection of the first two is certain.
+/// A target's plots at k = −1, 0, 1, … `SCANS`, a second apart: index 0 is k = −1. Detection of the first two is certain.
 pub fn sights(trajectory: Trajectory, conditions: &Conditions, seed: u64, run: u32) -> Vec<Sight> {
     let motion = trajectory.motion(seed, run);
     let threshold = conditions.detector().threshold;
     (0..SCANS + 2)
         .map(|scan| {
-            let truth = motion.at(f64::from(scan));
+            let time_s = f64::from(scan);
+            let truth = motion.at(time_s);
             let mut rng = generator(seed, Purpose::Measurement, run, scan);
             let plot = measure(&truth, conditions, &mut rng);
             let certain = conditions.pfa <= 0.0 || scan < 2;
-            let mode = mode_before(&motion, f64::from(scan));
-            Sight { truth, plot, detected: certain || plot.power > threshold, mode }
+            let mode = mode_before(&motion, time_s);
+            Sight { time_s, truth, plot, detected: certain || plot.power > threshold, mode }
         })
         .collect()
 }

@@ -5,7 +5,7 @@
 //! predict ─▶ gates ─▶ false plots in them (surround) ─▶ update ─▶ what came of it: errors, gate, loss
 //! ```
 //!
-//! Neither the beam nor other tracks come in: every scan is at a whole second, and the track begins with two plots of its target.
+//! Neither the beam nor other tracks come in: the target is seen when its sights say, and the track begins with two plots of it.
 
 mod record;
 
@@ -19,7 +19,7 @@ use tracker::amplitude::Amplitude;
 use tracker::association::{FalsePlots, Rules, Surroundings};
 use tracker::gate::{Gate, Radar};
 use tracker::hypotheses::{Hypotheses, Room};
-use tracker::imm::{Imm, Transition, transition};
+use tracker::imm::{Imm, transition};
 use tracker::measurement::{COORDINATES, Measurement};
 use tracker::motion::{MANOEUVRE, MODES, Motion};
 use tracker::start::two_plots;
@@ -39,8 +39,6 @@ pub const LOST_SCANS: usize = 3;
 pub const LOST_DISTANCE_M: f64 = 150.0;
 /// False plots expected in the gate above which the source gives a track up.
 pub const MOST_FALSE_PLOTS: f64 = 2000.0;
-/// Time between scans, s.
-const STEP_S: f64 = 1.0;
 /// α of a gate that holds everything.
 const WITHOUT_GATE: f64 = 100.0;
 /// Probability of detection of what is always detected: "none" keeps a trace of weight.
@@ -73,7 +71,6 @@ pub struct Follower {
     conditions: Conditions,
     rules: Rules,
     motion: Motion,
-    chain: Transition,
     radar: Radar,
     detector: Detector,
     workspace: Workspace,
@@ -86,6 +83,8 @@ pub struct Follower {
 
 /// A track in the making.
 struct Pursuit {
+    /// Of the last scan, s.
+    time_s: f64,
     /// With (T21); else the posterior is all there is.
     hypotheses: Option<Hypotheses>,
     posterior: Imm,
@@ -111,7 +110,6 @@ impl Follower {
         Self {
             rules,
             motion: Kinematics::new(config, &radar).motion,
-            chain: transition(config.stay_probability, STEP_S),
             radar,
             detector: conditions.detector(),
             conditions: *conditions,
@@ -167,8 +165,9 @@ impl Follower {
     }
 
     fn start(&self, sights: &[Sight]) -> Pursuit {
-        let (first, second) = (&sights[0].plot, &sights[1].plot);
-        let posterior = two_plots(first, second, STEP_S, &self.motion, START_PROBABILITY);
+        let [first, second] = [0, 1].map(|k: usize| &sights[k].plot);
+        let time_s = sights[1].time_s;
+        let posterior = two_plots(first, second, time_s - sights[0].time_s, &self.motion, START_PROBABILITY);
         let mut amplitude = Amplitude::prior(&self.config, &self.detector);
         for plot in [first, second] {
             amplitude.learn(plot.power, 1.0, self.detector.threshold);
@@ -176,6 +175,7 @@ impl Follower {
         let hypotheses = (self.config.association == Association::Mht)
             .then(|| Hypotheses::new(&posterior, self.config.hypotheses as usize));
         Pursuit {
+            time_s,
             hypotheses,
             posterior,
             amplitude,
@@ -189,12 +189,15 @@ impl Follower {
     /// One scan: what the track expected and what became of it.
     fn step(&mut self, pursuit: &mut Pursuit, k: u32, sight: &Sight, seed: u64, run: u32) -> (Imm, Outcome) {
         let started = Instant::now();
-        let prediction = pursuit.posterior.predict(&self.chain, &self.motion, STEP_S);
+        let step_s = sight.time_s - pursuit.time_s;
+        pursuit.time_s = sight.time_s;
+        let chain = transition(self.config.stay_probability, step_s);
+        let prediction = pursuit.posterior.predict(&chain, &self.motion, step_s);
         self.predictions.clear();
         match &mut pursuit.hypotheses {
             None => self.predictions.push(prediction),
             Some(hypotheses) => {
-                hypotheses.predict(&self.chain, &self.motion, STEP_S);
+                hypotheses.predict(&chain, &self.motion, step_s);
                 self.predictions.extend(hypotheses.filters());
             }
         }

@@ -1,13 +1,15 @@
-//! Ways to the same tracker that differ in one thing: how the target's plots err.
+//! Ways from the target to a track, neighbours of which differ in one thing.
 //!
 //! ```text
 //! cells      as the extractor found them
 //! stated     the same plots, but the target's at the truth plus a normal error of the standard deviations that it states
 //! nominal    the same, with those of a place uniform in its cell (C1), and stating these
-//! plots      the filter alone on drawn plots of (C1), begun on the target: no cells, no beam, no other tracks
+//! unmapped   the same, to a tracker that takes all other plots for noise: no clutter map
+//! alone      the same plots of the target to the filter alone, begun on it: false plots drawn in its gates, no other tracks
+//! plots      the same, but the target's plots with the power of a target at 16 dB, and at whole seconds
 //! ```
 //!
-//! The first three have the same powers, detections and false plots in every scan.
+//! All but the last have the same powers and detections in every scan, those before *alone* also the same false plots.
 
 use std::f64::consts::TAU;
 
@@ -24,7 +26,10 @@ use super::radar::{Flight, Look, stated_sigma};
 use crate::accuracy::Score;
 use crate::follow::{Follower, LOST_DISTANCE_M, errors_of};
 use crate::trajectory::SCANS;
-use crate::world::{Sight, mode_before, place, scattered};
+use crate::world::{Sight, mode_before, place, plot, scattered};
+
+/// Ways from the target to a track.
+pub(super) const ARMS: usize = 6;
 
 /// A way from the target to a track.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,11 +37,14 @@ pub(super) enum Arm {
     Cells,
     Stated,
     Nominal,
+    Unmapped,
+    Alone,
     Plots,
 }
 
 impl Arm {
-    pub(super) const ALL: [Self; 4] = [Self::Cells, Self::Stated, Self::Nominal, Self::Plots];
+    pub(super) const ALL: [Self; ARMS] =
+        [Self::Cells, Self::Stated, Self::Nominal, Self::Unmapped, Self::Alone, Self::Plots];
 
     /// As in the JSON.
     pub(super) fn name(self) -> &'static str {
@@ -44,6 +52,8 @@ impl Arm {
             Self::Cells => "cells",
             Self::Stated => "stated",
             Self::Nominal => "nominal",
+            Self::Unmapped => "unmapped",
+            Self::Alone => "alone",
             Self::Plots => "plots",
         }
     }
@@ -63,7 +73,11 @@ pub(super) fn through_tracker(
     seed: u64,
     run: u32,
 ) -> anyhow::Result<Scores> {
-    let mut tracker = Tracker::new(&TrackerConfig::default(), 1)?;
+    let mut config = TrackerConfig::default();
+    if arm == Arm::Unmapped {
+        config.clutter_map_scans = 0;
+    }
+    let mut tracker = Tracker::new(&config, 1)?;
     let mut tracks = Vec::new();
     let mut scores: Vec<Option<(f64, Score)>> = vec![None; SCANS as usize];
     for (scan, look) in (0..).zip(&flight.looks) {
@@ -87,7 +101,7 @@ pub(super) fn through_tracker(
 }
 
 /// The scores of the filter alone.
-pub(super) fn drawn(follower: &mut Follower, sights: &[Sight], seed: u64, run: u32) -> Scores {
+pub(super) fn by_filter(follower: &mut Follower, sights: &[Sight], seed: u64, run: u32) -> Scores {
     let mut scores = Vec::new();
     follower.watch(sights, seed, run, |record, _| {
         let errors = [record.predicted_error_m, record.position_error_m, record.velocity_error_mps];
@@ -97,14 +111,32 @@ pub(super) fn drawn(follower: &mut Follower, sights: &[Sight], seed: u64, run: u
     scores
 }
 
+/// The target as the filter alone sees it in a flight: its plots of [`Arm::Nominal`]. Detection of the first two is certain.
+pub(super) fn sights_of(flight: &Flight, motion: &Segments, seed: u64, run: u32) -> Vec<Sight> {
+    let sight = |(scan, look): (u32, &Look)| {
+        let truth = motion.at(look.time_s);
+        let mut rng = generator(seed, Purpose::Measurement, run, scan);
+        let polar = scattered(&place(&truth), &flight.nominal_sigma(), &mut rng);
+        let power = look.own.map_or(0.0, |own| f64::from(look.plots[own].statistic).powi(2));
+        Sight {
+            time_s: look.time_s,
+            truth,
+            plot: plot(polar, power),
+            detected: look.own.is_some() || scan < 2,
+            mode: mode_before(motion, look.time_s),
+        }
+    };
+    (0..).zip(&flight.looks).map(sight).collect()
+}
+
 /// The plots of a turn as an arm has them.
 fn replaced(arm: Arm, flight: &Flight, look: &Look, motion: &Segments, rng: &mut impl Rng) -> Vec<Plot> {
     let mut plots = look.plots.clone();
     let Some(own) = look.own.map(|own| &mut plots[own]) else { return plots };
     let sigma = match arm {
         Arm::Stated => stated_sigma(own),
-        Arm::Nominal => flight.nominal_sigma(),
-        Arm::Cells | Arm::Plots => return plots,
+        Arm::Nominal | Arm::Unmapped => flight.nominal_sigma(),
+        Arm::Cells | Arm::Alone | Arm::Plots => return plots,
     };
     let [range_m, azimuth_rad, elevation_rad, range_rate_mps] = scattered(&place(&motion.at(look.time_s)), &sigma, rng);
     // A plot is as old as the beam at its azimuth.

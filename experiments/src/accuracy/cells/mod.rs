@@ -20,7 +20,7 @@ use crate::settings::Settings;
 use crate::trajectory::{Segment, Trajectory};
 use crate::world::{Conditions, place, sights};
 use crate::{Case, Options, Progress, Results, Row, fluctuation};
-use arms::{Arm, Scores};
+use arms::{ARMS, Arm, Scores};
 
 /// F per cell.
 const PFA: [f64; 2] = [1e-4, 1e-3];
@@ -29,21 +29,24 @@ const SWERLING: [Swerling; 2] = [Swerling::Zero, Swerling::One];
 /// Peak SNR of the target, at the centre of a cell.
 const SNR_DB: f64 = 16.0;
 /// Arms that are compared.
-const PAIRS: [(Arm, Arm, &str); 4] = [
+const PAIRS: [(Arm, Arm, &str); 6] = [
     (Arm::Cells, Arm::Stated, "cells : stated"),
     (Arm::Stated, Arm::Nominal, "stated : nominal"),
-    (Arm::Nominal, Arm::Plots, "nominal : plots"),
+    (Arm::Nominal, Arm::Unmapped, "nominal : unmapped"),
+    (Arm::Unmapped, Arm::Alone, "unmapped : alone"),
+    (Arm::Alone, Arm::Plots, "alone : plots"),
     (Arm::Cells, Arm::Plots, "cells : plots"),
 ];
 
 /// One run by arm.
 struct Run {
     /// Scores of all scans.
-    scores: [Scores; 4],
+    scores: [Scores; ARMS],
     /// Detections from cells and drawn.
     detected: [u64; 2],
-    /// Mean over plots and axes of squared errors of the target's plots from cells over stated and nominal variances; [Σ, n].
-    plot_nees: [[f64; 2]; 2],
+    /// Squared errors of the target's plots from cells over stated variances, the same weighted with these as a filter weighs them, and
+    /// over nominal variances; [Σ, Σ weights] over plots and axes.
+    plot_nees: [[f64; 2]; 3],
 }
 
 pub(super) fn run(options: &Options, progress: &Progress) -> anyhow::Result<Results> {
@@ -78,15 +81,22 @@ fn one_run(follower: &mut Follower, conditions: &Conditions, seed: u64, run: u32
         through(Arm::Cells)?,
         through(Arm::Stated)?,
         through(Arm::Nominal)?,
-        arms::drawn(follower, &sights, seed, run),
+        through(Arm::Unmapped)?,
+        arms::by_filter(follower, &arms::sights_of(&flight, &motion, seed, run), seed, run),
+        arms::by_filter(follower, &sights, seed, run),
     ];
-    let mut plot_nees = [[0.0; 2]; 2];
+    let mut plot_nees = [[0.0; 2]; 3];
     for look in &flight.looks {
         let Some(plot) = look.own.map(|own| &look.plots[own]) else { continue };
         let errors = radar::errors(plot, &place(&motion.at(look.time_s)));
-        for (sums, sigma) in plot_nees.iter_mut().zip([radar::stated_sigma(plot), flight.nominal_sigma()]) {
-            sums[0] += errors.iter().zip(sigma).map(|(error, sigma)| (error / sigma).powi(2)).sum::<f64>();
-            sums[1] += errors.len() as f64;
+        let (stated, nominal) = (radar::stated_sigma(plot), flight.nominal_sigma());
+        for i in 0..errors.len() {
+            let square = |sigma: f64| (errors[i] / sigma).powi(2);
+            let weight = (nominal[i] / stated[i]).powi(2);
+            let added = [[square(stated[i]), 1.0], [weight * square(stated[i]), weight], [square(nominal[i]), 1.0]];
+            for (sums, [sum, n]) in plot_nees.iter_mut().zip(added) {
+                *sums = [sums[0] + sum, sums[1] + n];
+            }
         }
     }
     // Index 0 is k = −1.
@@ -119,17 +129,17 @@ fn rows_of(conditions: &Conditions, runs: &[Run], seed: u64) -> Vec<Row> {
         let followed: Vec<[u64; 2]> = runs.iter().map(|run| [followed(run) as u64, trials]).collect();
         all.push(Row::clustered(&case, "p_followed", &followed));
     }
-    for (metric, which) in [("plot_nees_stated", 0), ("plot_nees_nominal", 1)] {
+    let n = runs.iter().map(|run| run.plot_nees[0][1]).sum::<f64>() as u64;
+    for (metric, which) in [("plot_nees_stated", 0), ("plot_nees_weighted", 1), ("plot_nees_nominal", 2)] {
         let sums: Vec<[f64; 2]> = runs.iter().map(|run| run.plot_nees[which]).collect();
         let mut rng = generator(seed, Purpose::Resampling, which as u32, 2);
-        let n = sums.iter().map(|[_, n]| n).sum::<f64>() as u64;
         let found = Estimate { n, ..bootstrap::ratio(&sums, RESAMPLES, LEVEL, &mut rng) };
         all.push(
             Row::new(&case(settled.name, Arm::Cells.name()), metric, found)
                 .against(1.0, "errors as they are said to be"),
         );
     }
-    let common: Vec<[Vec<Score>; 4]> = runs.iter().map(common_scans).collect();
+    let common: Vec<[Vec<Score>; ARMS]> = runs.iter().map(common_scans).collect();
     let of = |arm: Arm| -> Vec<Vec<Score>> { common.iter().map(|run| run[arm as usize].clone()).collect() };
     let by_arm = Arm::ALL.map(of);
     let named = Trajectory::B.segments().into_iter().filter(|segment| segment.first >= settled.first);
@@ -146,13 +156,13 @@ fn rows_of(conditions: &Conditions, runs: &[Run], seed: u64) -> Vec<Row> {
 }
 
 /// The scores of each arm in the scans in which all have one.
-fn common_scans(run: &Run) -> [Vec<Score>; 4] {
-    let mut common: [Vec<Score>; 4] = Default::default();
+fn common_scans(run: &Run) -> [Vec<Score>; ARMS] {
+    let mut common: [Vec<Score>; ARMS] = Default::default();
     for index in 0..run.scores[0].len() {
-        let in_all = [0, 1, 2, 3].map(|arm: usize| run.scores[arm].get(index).copied().flatten());
-        if let [Some(a), Some(b), Some(c), Some(d)] = in_all {
-            for (scores, score) in common.iter_mut().zip([a, b, c, d]) {
-                scores.push(score);
+        let of = |arm: Arm| run.scores[arm as usize].get(index).copied().flatten();
+        if Arm::ALL.iter().all(|&arm| of(arm).is_some()) {
+            for (scores, arm) in common.iter_mut().zip(Arm::ALL) {
+                scores.extend(of(arm));
             }
         }
     }

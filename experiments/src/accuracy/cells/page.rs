@@ -46,6 +46,7 @@ fn by_arm(rows: &[Row]) -> Block {
                 cell("pd", 3),
                 cell("p_followed", 3),
                 cell("plot_nees_stated", 2),
+                cell("plot_nees_weighted", 2),
                 cell("plot_nees_nominal", 2),
             ]);
         }
@@ -61,6 +62,7 @@ fn by_arm(rows: &[Row]) -> Block {
         "detected",
         "followed",
         "plots: (error/stated)²",
+        "weighted",
         "(error/(C1))²",
     ];
     Block::table("cells-arms", &head, &lines)
