@@ -49,6 +49,7 @@ fn filled_by_others_it_stops_nothing() {
         {RUN} --scans 40 2>err & chain=$!
         until "$CHAIN" status --config "$CONFIG" --ipc-prefix "$PREFIX" --set "ipc.root='$ROOT'" | grep -q '2 tracks confirmed'; do :; done
         until {FULL}; do dd if=/dev/zero bs=4k >>/dev/shm/ballast || true; done 2>/dev/null
+        kill -0 $chain # it is still running
         wait $chain
         "#
     );

@@ -1,7 +1,7 @@
 //! `accuracy`: errors of one track, whether they are as the filter says, and whether it finds the mode of motion.
 //!
 //! Without clutter and misses (`plots.rs`): what the filter itself can do, by kind of motion, with the settings of the source and the
-//! chain's. With `--cells` (`cells.rs`): trajectory B through simulated cells, the plot extractor and the whole tracker.
+//! chain's. With `--cells` (`cells/`): trajectory B through simulated cells, the plot extractor and the whole tracker.
 //!
 //! | metric                    | of all scans of a segment                                  | unit |
 //! |---------------------------|------------------------------------------------------------|------|

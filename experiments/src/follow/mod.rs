@@ -188,10 +188,10 @@ impl Follower {
 
     /// One scan: what the track expected and what became of it.
     fn step(&mut self, pursuit: &mut Pursuit, k: u32, sight: &Sight, seed: u64, run: u32) -> (Imm, Outcome) {
-        let started = Instant::now();
         let step_s = sight.time_s - pursuit.time_s;
         pursuit.time_s = sight.time_s;
         let chain = transition(self.config.stay_probability, step_s);
+        let started = Instant::now();
         let prediction = pursuit.posterior.predict(&chain, &self.motion, step_s);
         self.predictions.clear();
         match &mut pursuit.hypotheses {

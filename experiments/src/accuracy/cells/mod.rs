@@ -1,8 +1,8 @@
 //! Trajectory B at 16 dB through simulated cells, the plot extractor and the whole tracker, step by step to drawn plots and the filter alone.
 //!
 //! Scored are the scans k = 10 … 50 in which *every* arm ([`arms::Arm`]) has a confirmed track within 150 m of the target: the same scans of the
-//! same runs, each arm's own share of them is `p_followed`. Neighbouring arms differ in one thing, so their comparisons
-//! (`compare.rs`) say what it does. Two arms are *equivalent* if the whole 95 % interval lies within ± 5 % of no difference.
+//! same runs, each arm's own share of them is `p_followed`. Comparisons of neighbouring arms
+//! (`compare.rs`) say what each step does. Two arms are *equivalent* if the whole 95 % interval lies within ± 5 % of no difference.
 
 mod arms;
 mod page;
@@ -47,6 +47,8 @@ struct Run {
     /// Squared errors of the target's plots from cells over stated variances, the same weighted with these as a filter weighs them, and
     /// over nominal variances; [Σ, Σ weights] over plots and axes.
     plot_nees: [[f64; 2]; 3],
+    /// Power of the other plots above the threshold, over the mean that noise has there; [Σ, n].
+    false_excess: [f64; 2],
 }
 
 pub(super) fn run(options: &Options, progress: &Progress) -> anyhow::Result<Results> {
@@ -85,8 +87,13 @@ fn one_run(follower: &mut Follower, conditions: &Conditions, seed: u64, run: u32
         arms::by_filter(follower, &arms::sights_of(&flight, &motion, seed, run), seed, run),
         arms::by_filter(follower, &sights, seed, run),
     ];
-    let mut plot_nees = [[0.0; 2]; 3];
+    let (mut plot_nees, mut false_excess) = ([[0.0; 2]; 3], [0.0; 2]);
+    let detector = conditions.detector();
     for look in &flight.looks {
+        for (_, plot) in look.plots.iter().enumerate().filter(|&(index, _)| Some(index) != look.own) {
+            let excess = f64::from(plot.statistic).powi(2) - detector.threshold;
+            false_excess = [false_excess[0] + excess / detector.noise_mean_excess(), false_excess[1] + 1.0];
+        }
         let Some(plot) = look.own.map(|own| &look.plots[own]) else { continue };
         let errors = radar::errors(plot, &place(&motion.at(look.time_s)));
         let (stated, nominal) = (radar::stated_sigma(plot), flight.nominal_sigma());
@@ -103,7 +110,7 @@ fn one_run(follower: &mut Follower, conditions: &Conditions, seed: u64, run: u32
     let counted = |index: usize| Segment::SETTLED.holds((index as u32).saturating_sub(1));
     let looks = flight.looks.iter().enumerate().filter(|&(index, look)| counted(index) && look.own.is_some());
     let drawn = sights.iter().enumerate().filter(|&(index, sight)| counted(index) && sight.detected);
-    Ok(Run { scores, detected: [looks.count() as u64, drawn.count() as u64], plot_nees })
+    Ok(Run { scores, detected: [looks.count() as u64, drawn.count() as u64], plot_nees, false_excess })
 }
 
 fn rows_of(conditions: &Conditions, runs: &[Run], seed: u64) -> Vec<Row> {
@@ -139,6 +146,9 @@ fn rows_of(conditions: &Conditions, runs: &[Run], seed: u64) -> Vec<Row> {
                 .against(1.0, "errors as they are said to be"),
         );
     }
+    let excess: Vec<[f64; 2]> = runs.iter().map(|run| run.false_excess).collect();
+    let excess = bootstrap::ratio(&excess, RESAMPLES, LEVEL, &mut generator(seed, Purpose::Resampling, 3, 2));
+    all.push(Row::new(&case(settled.name, Arm::Cells.name()), "false_excess", excess).against(1.0, "noise"));
     let common: Vec<[Vec<Score>; ARMS]> = runs.iter().map(common_scans).collect();
     let of = |arm: Arm| -> Vec<Vec<Score>> { common.iter().map(|run| run[arm as usize].clone()).collect() };
     let by_arm = Arm::ALL.map(of);

@@ -48,6 +48,7 @@ fn by_arm(rows: &[Row]) -> Block {
                 cell("plot_nees_stated", 2),
                 cell("plot_nees_weighted", 2),
                 cell("plot_nees_nominal", 2),
+                cell("false_excess", 2),
             ]);
         }
     }
@@ -64,6 +65,7 @@ fn by_arm(rows: &[Row]) -> Block {
         "plots: (error/stated)²",
         "weighted",
         "(error/(C1))²",
+        "false plots: excess over noise",
     ];
     Block::table("cells-arms", &head, &lines)
 }

@@ -25,8 +25,10 @@ use super::SNR_DB;
 
 /// Dwells simulated on each side of the target.
 const DWELLS: u32 = 24;
-/// Beams and range cells simulated beyond the flight on each side.
-const MARGIN: f64 = 12.0;
+/// Beams simulated beyond the flight on each side.
+const BEAMS: f64 = 12.0;
+/// Range cells likewise: the CFAR has there the reference cells that it would have, and false plots fall in all gates.
+const RANGES: f64 = 32.0;
 /// A plot is the target's within this distance on every axis, cells.
 const NEAR_CELLS: f64 = 1.5;
 
@@ -181,17 +183,17 @@ fn radar_about(motion: &Segments) -> ChainConfig {
         places.iter().map(of).fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
     };
     // Whole cells of the default radar.
-    let cut = |[lo, hi]: [f64; 2], first: f64, step: f64, cells: u32| {
-        let from = ((lo - first) / step - MARGIN).floor().max(0.0);
-        let to = ((hi - first) / step + MARGIN).ceil().min(f64::from(cells - 1));
+    let cut = |[lo, hi]: [f64; 2], margin: f64, first: f64, step: f64, cells: u32| {
+        let from = ((lo - first) / step - margin).floor().max(0.0);
+        let to = ((hi - first) / step + margin).ceil().min(f64::from(cells - 1));
         (first + from * step, (to - from) as u32 + 1)
     };
     let radar = &mut chain.radar;
     let elevations_deg = ends(|place| place.elevation_rad.to_degrees());
     (radar.elevation_first_deg, radar.elevations) =
-        cut(elevations_deg, radar.elevation_first_deg, radar.elevation_step_deg, radar.elevations);
+        cut(elevations_deg, BEAMS, radar.elevation_first_deg, radar.elevation_step_deg, radar.elevations);
     (radar.range_first_m, radar.ranges) =
-        cut(ends(|place| place.range_m), radar.range_first_m, radar.range_step_m, radar.ranges);
+        cut(ends(|place| place.range_m), RANGES, radar.range_first_m, radar.range_step_m, radar.ranges);
     chain.sim.clutter.range_m = 0.0;
     chain
 }
