@@ -175,7 +175,7 @@ mod tests {
     use common::config::Swerling;
     use tracker::measurement::Measurement;
 
-    /// The filter alone is given what the tracker without a map is: a difference between them is none of plots.
+    /// The filter alone is given what the tracker without a map is: a difference between them is none of the target's plots.
     #[test]
     fn the_filter_alone_sees_the_plots_of_the_tracker() {
         let motion = Trajectory::B.motion(1, 0);

@@ -47,7 +47,7 @@ struct Run {
     /// Squared errors of the target's plots from cells over stated variances, the same weighted with these as a filter weighs them, and
     /// over nominal variances; [Σ, Σ weights] over plots and axes.
     plot_nees: [[f64; 2]; 3],
-    /// Power of the other plots above the threshold, over the mean that noise has there; [Σ, n].
+    /// Power above the threshold of the other plots near the target's range, over the mean that noise has by the header; [Σ, n].
     false_excess: [f64; 2],
 }
 
@@ -89,13 +89,18 @@ fn one_run(follower: &mut Follower, conditions: &Conditions, seed: u64, run: u32
     ];
     let (mut plot_nees, mut false_excess) = ([[0.0; 2]; 3], [0.0; 2]);
     let detector = conditions.detector();
-    for look in &flight.looks {
+    // Index 0 is k = −1.
+    let counted = |index: usize| Segment::SETTLED.holds((index as u32).saturating_sub(1));
+    for (_, look) in flight.looks.iter().enumerate().filter(|&(index, _)| counted(index)) {
+        let truth = place(&motion.at(look.time_s));
         for (_, plot) in look.plots.iter().enumerate().filter(|&(index, _)| Some(index) != look.own) {
-            let excess = f64::from(plot.statistic).powi(2) - detector.threshold;
-            false_excess = [false_excess[0] + excess / detector.noise_mean_excess(), false_excess[1] + 1.0];
+            if (plot.range_m - truth[0]).abs() <= flight.near_m() {
+                let excess = f64::from(plot.statistic).powi(2) - detector.threshold;
+                false_excess = [false_excess[0] + excess / detector.noise_mean_excess(), false_excess[1] + 1.0];
+            }
         }
         let Some(plot) = look.own.map(|own| &look.plots[own]) else { continue };
-        let errors = radar::errors(plot, &place(&motion.at(look.time_s)));
+        let errors = radar::errors(plot, &truth);
         let (stated, nominal) = (radar::stated_sigma(plot), flight.nominal_sigma());
         for i in 0..errors.len() {
             let square = |sigma: f64| (errors[i] / sigma).powi(2);
@@ -106,8 +111,6 @@ fn one_run(follower: &mut Follower, conditions: &Conditions, seed: u64, run: u32
             }
         }
     }
-    // Index 0 is k = −1.
-    let counted = |index: usize| Segment::SETTLED.holds((index as u32).saturating_sub(1));
     let looks = flight.looks.iter().enumerate().filter(|&(index, look)| counted(index) && look.own.is_some());
     let drawn = sights.iter().enumerate().filter(|&(index, sight)| counted(index) && sight.detected);
     Ok(Run { scores, detected: [looks.count() as u64, drawn.count() as u64], plot_nees, false_excess })

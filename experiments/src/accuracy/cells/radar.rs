@@ -27,8 +27,10 @@ use super::SNR_DB;
 const DWELLS: u32 = 24;
 /// Beams simulated beyond the flight on each side.
 const BEAMS: f64 = 12.0;
-/// Range cells likewise: the CFAR has there the reference cells that it would have, and false plots fall in all gates.
+/// Range cells likewise: so many that near the target the CFAR has all the reference cells that the whole radar would have.
 const RANGES: f64 = 32.0;
+/// False plots are near the target within this distance in range, cells.
+const NEAR_RANGES: f64 = 4.0;
 /// A plot is the target's within this distance on every axis, cells.
 const NEAR_CELLS: f64 = 1.5;
 
@@ -108,6 +110,11 @@ impl Flight {
     /// Time of one turn, s.
     pub(super) fn period_s(&self) -> f64 {
         self.chain.radar.scan_period_s
+    }
+
+    /// Distance in range within which other plots are near the target, m.
+    pub(super) fn near_m(&self) -> f64 {
+        NEAR_RANGES * self.cells[0]
     }
 
     fn own(&self, plots: &[Plot], truth: &[f64; 4]) -> Option<usize> {
