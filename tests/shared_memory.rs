@@ -29,6 +29,7 @@ fn in_small_memory(bench: &Bench, mib: u32, script: &str) -> Option<std::process
 const RUN: &str =
     r#""$CHAIN" run --config "$CONFIG" --ipc-prefix "$PREFIX" --set "ipc.root='$ROOT'" --set run.speed=1.0"#;
 
+/// Whether there is no free page.
 const FULL: &str = r#"[ "$(df --output=avail /dev/shm | tail -1)" -eq 0 ]"#;
 
 #[test]

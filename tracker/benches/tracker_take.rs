@@ -8,8 +8,7 @@
 //! to turn, so that every gate holds five and no plot at the threshold is believed to start a track. Up to eight turns are drawn and used in turn.
 //!
 //! **Limits.** Of a track 4.4 kB are read and about as much is written, most of it the three mixtures of 1.3 kB: after the last passage, expected of
-//! it, and of the next; its message is 1.2 kB more, its plots 0.9 kB in the store. At 19.8 GB/s in place and 11.6 GB/s read (`tracker_cycle`) that
-//! is some 0.8 µs; figures are in `docs/results.md`. What grows with the number of tracks is waiting, not bandwidth.
+//! it, and of the next; its message is 1.2 kB more, its plots 0.9 kB in the store. Figures are in `docs/results.md`.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;

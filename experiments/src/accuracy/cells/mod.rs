@@ -8,9 +8,11 @@ mod arms;
 mod page;
 mod radar;
 
+use common::amplitude::Detector;
 use common::config::{ChainConfig, Swerling};
 use common::random::{Purpose, generator};
 use evaluation::{Estimate, bootstrap};
+use radar_sim::motion::Segments;
 
 use super::{RESAMPLES, Score, compare, rows};
 use crate::follow::Follower;
@@ -87,17 +89,26 @@ fn one_run(follower: &mut Follower, conditions: &Conditions, seed: u64, run: u32
         arms::by_filter(follower, &arms::sights_of(&flight, &motion, seed, run), seed, run),
         arms::by_filter(follower, &sights, seed, run),
     ];
-    let (mut plot_nees, mut false_excess) = ([[0.0; 2]; 3], [0.0; 2]);
-    let detector = conditions.detector();
-    // Index 0 is k = −1.
-    let counted = |index: usize| Segment::SETTLED.holds((index as u32).saturating_sub(1));
-    for (_, look) in flight.looks.iter().enumerate().filter(|&(index, _)| counted(index)) {
+    let (plot_nees, false_excess) = plot_sums(&flight, &motion, &conditions.detector());
+    let looks = flight.looks.iter().enumerate().filter(|&(index, look)| counted(index) && look.own.is_some());
+    let drawn = sights.iter().enumerate().filter(|&(index, sight)| counted(index) && sight.detected);
+    Ok(Run { scores, detected: [looks.count() as u64, drawn.count() as u64], plot_nees, false_excess })
+}
+
+/// Whether the scan of a turn is scored: turn 0 is k = −1.
+fn counted(turn: usize) -> bool {
+    Segment::SETTLED.holds((turn as u32).saturating_sub(1))
+}
+
+/// [`Run::plot_nees`] and [`Run::false_excess`] of the scored scans.
+fn plot_sums(flight: &radar::Flight, motion: &Segments, detector: &Detector) -> ([[f64; 2]; 3], [f64; 2]) {
+    let (mut nees, mut excess) = ([[0.0; 2]; 3], [0.0; 2]);
+    let add = |sums: &mut [f64; 2], added: [f64; 2]| *sums = [sums[0] + added[0], sums[1] + added[1]];
+    for (_, look) in flight.looks.iter().enumerate().filter(|&(turn, _)| counted(turn)) {
         let truth = place(&motion.at(look.time_s));
-        for (_, plot) in look.plots.iter().enumerate().filter(|&(index, _)| Some(index) != look.own) {
-            if (plot.range_m - truth[0]).abs() <= flight.near_m() {
-                let excess = f64::from(plot.statistic).powi(2) - detector.threshold;
-                false_excess = [false_excess[0] + excess / detector.noise_mean_excess(), false_excess[1] + 1.0];
-            }
+        for plot in flight.false_plots(look, &truth) {
+            let above = f64::from(plot.statistic).powi(2) - detector.threshold;
+            add(&mut excess, [above / detector.noise_mean_excess(), 1.0]);
         }
         let Some(plot) = look.own.map(|own| &look.plots[own]) else { continue };
         let errors = radar::errors(plot, &truth);
@@ -105,15 +116,12 @@ fn one_run(follower: &mut Follower, conditions: &Conditions, seed: u64, run: u32
         for i in 0..errors.len() {
             let square = |sigma: f64| (errors[i] / sigma).powi(2);
             let weight = (nominal[i] / stated[i]).powi(2);
-            let added = [[square(stated[i]), 1.0], [weight * square(stated[i]), weight], [square(nominal[i]), 1.0]];
-            for (sums, [sum, n]) in plot_nees.iter_mut().zip(added) {
-                *sums = [sums[0] + sum, sums[1] + n];
-            }
+            add(&mut nees[0], [square(stated[i]), 1.0]);
+            add(&mut nees[1], [weight * square(stated[i]), weight]);
+            add(&mut nees[2], [square(nominal[i]), 1.0]);
         }
     }
-    let looks = flight.looks.iter().enumerate().filter(|&(index, look)| counted(index) && look.own.is_some());
-    let drawn = sights.iter().enumerate().filter(|&(index, sight)| counted(index) && sight.detected);
-    Ok(Run { scores, detected: [looks.count() as u64, drawn.count() as u64], plot_nees, false_excess })
+    (nees, excess)
 }
 
 fn rows_of(conditions: &Conditions, runs: &[Run], seed: u64) -> Vec<Row> {

@@ -112,9 +112,11 @@ impl Flight {
         self.chain.radar.scan_period_s
     }
 
-    /// Distance in range within which other plots are near the target, m.
-    pub(super) fn near_m(&self) -> f64 {
-        NEAR_RANGES * self.cells[0]
+    /// The plots of a turn that are not the target's, within four range cells of its place (r, β, ε, ṙ).
+    pub(super) fn false_plots<'a>(&self, look: &'a Look, place: &[f64; 4]) -> impl Iterator<Item = &'a Plot> {
+        let (range_m, near_m) = (place[0], NEAR_RANGES * self.cells[0]);
+        let others = look.plots.iter().enumerate().filter(|&(index, _)| Some(index) != look.own);
+        others.map(|(_, plot)| plot).filter(move |plot| (plot.range_m - range_m).abs() <= near_m)
     }
 
     fn own(&self, plots: &[Plot], truth: &[f64; 4]) -> Option<usize> {
