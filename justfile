@@ -10,6 +10,10 @@ check:
 test:
     cargo test
 
+# Property tests with other and more cases than `test` draws: `just search 7 20000`
+search seed cases="20000":
+    PROPTEST_RNG_SEED={{seed}} PROPTEST_CASES={{cases}} cargo test --release --workspace --no-fail-fast --lib --test any_input --test batch --test filter --test recording
+
 # All benchmarks
 bench:
     cargo bench -p radar-sim -p plot-extractor -p tracker -p recorder

@@ -232,9 +232,12 @@ impl Hypotheses {
                 let mut ln_likelihood = [f64::NEG_INFINITY; MODES];
                 for (j, expected) in room.expected[child.parent].iter().enumerate() {
                     if let Some(likelihood) = expected.likelihood(plot, rules.inflation) {
-                        let sums = Sums::certain(&likelihood, expected.innovation(plot, offset_s));
-                        sums.apply(1.0, expected, DIMENSIONS[j], &mut imm.modes[j]);
-                        ln_likelihood[j] = sums.ln_best;
+                        let d = expected.innovation(plot, offset_s);
+                        let y = likelihood.solve(d);
+                        let mut sums = Sums::of_none(0.0);
+                        sums.add(1.0, &likelihood, y); // the plot is the target's for certain: (T8)
+                        sums.apply(expected, DIMENSIONS[j], &mut imm.modes[j]);
+                        ln_likelihood[j] = likelihood.ln_density(d, y);
                     }
                 }
                 reweight(&mut imm.probability, ln_likelihood);

@@ -220,7 +220,8 @@ impl Expected {
             along(frame.along_azimuth) / (across * across),
             along(frame.along_elevation) / (frame.range_m * frame.range_m),
             covariance[9],
-        ];
+        ]
+        .map(|variance| variance.max(0.0)); // less than nothing by rounding
         Self {
             frame,
             position,

@@ -8,8 +8,9 @@
 //! W_j ∝ W*_j L_j                                                                  (T15)
 //! ```
 //! This is (T14) with the spread terms, rearranged so that a plot costs 4×4 work whatever the
-//! number of states, and P̂ is symmetric by construction. D_m depends on the plot's own errors; it is
-//! factored once for successive plots that share them.
+//! number of states, and P̂ is symmetric by construction. The squares of y are summed about their mean so far: a plot at the edge of
+//! the gate has y yᵀ thousands of times as large as D⁻¹, and rounding of it would be all that is left of P̂. D_m depends on the
+//! plot's own errors; it is factored once for successive plots that share them.
 
 use common::config::Association;
 
@@ -119,22 +120,31 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
             continue;
         }
         let none = if hard { 0.0 } else { density * missed[j] / d };
-        let sums =
-            Sums::over(candidates, plots, &expected[j], rules.inflation, hard, |m, weight| weights[m][j] = weight);
-        let total = none + sums.weight;
-        mode_likelihood[j] = if hard { sums.ln_best.exp() } else { total };
-        ln_likelihood[j] = if hard { sums.ln_best } else { total.ln() };
+        let mut sums = Sums::of_none(none);
+        let (mut alone, mut ln_best) = (none, f64::NEG_INFINITY);
+        for_each_density(candidates, plots, &expected[j], rules.inflation, |m, likelihood, d, y| {
+            let ln_e = likelihood.ln_density(d, y);
+            let e = ln_e.exp();
+            let weight = if hard { 1.0 } else { e * candidates[m].ratio };
+            alone += e * candidates[m].alone;
+            ln_best = ln_e; // of the one that there is, where only that is asked for
+            weights[m][j] = weight;
+            sums.add(weight, likelihood, y);
+        });
+        let total = sums.weight;
+        mode_likelihood[j] = if hard { ln_best.exp() } else { total };
+        ln_likelihood[j] = if hard { ln_best } else { total.ln() };
         let ratio = |sum: f64, one: f64| {
-            if hard { missed[j] + d * sums.ln_best.exp() * one / density } else { (none + sum) * d / density }
+            if hard { missed[j] + d * ln_best.exp() * one / density } else { sum * d / density }
         };
-        existence_ratio += prediction.probability[j] * ratio(sums.weight, candidates[0].ratio);
-        ratio_alone += prediction.probability[j] * ratio(sums.alone, candidates[0].alone);
+        existence_ratio += prediction.probability[j] * ratio(total, candidates[0].ratio);
+        ratio_alone += prediction.probability[j] * ratio(alone, candidates[0].alone);
         if total > 0.0 && total.is_finite() {
             mode_none[j] = none / total;
             for weight in weights.iter_mut() {
                 weight[j] /= total;
             }
-            sums.apply(1.0 / total, &expected[j], DIMENSIONS[j], &mut posterior.modes[j]);
+            sums.apply(&expected[j], DIMENSIONS[j], &mut posterior.modes[j]);
         } else {
             mode_likelihood[j] = none;
             for weight in weights.iter_mut() {
@@ -172,82 +182,48 @@ pub(crate) fn reweight(probability: &mut [f64; MODES], ln_likelihood: [f64; MODE
     }
 }
 
-/// Sums over the candidates of one mode, not yet normalised.
+/// Running moments of the mixture over "none" and the candidates of one mode.
 pub(crate) struct Sums {
-    /// Σ_m e_m λ_m (1 for a hard decision).
+    /// b + Σ_m e_m λ_m.
     weight: f64,
-    /// The same as if there were no other tracks.
-    alone: f64,
-    /// Σ_m e_m λ_m y_m.
-    y: [f64; COORDINATES],
-    /// Σ_m e_m λ_m (y_m y_mᵀ − D_m⁻¹), packed.
+    /// ȳ, y being 0 for "none".
+    mean: [f64; COORDINATES],
+    /// M times the weight, packed.
     spread: [f64; PACKED_4],
-    /// ln e of the last candidate: the only one of a hard decision.
-    pub(crate) ln_best: f64,
 }
 
 impl Sums {
-    fn over(
-        candidates: &[Candidate],
-        plots: &[Measurement],
-        expected: &Expected,
-        inflation: f64,
-        hard: bool,
-        mut note: impl FnMut(usize, f64),
-    ) -> Self {
-        let mut sums = Self {
-            weight: 0.0,
-            alone: 0.0,
-            y: [0.0; COORDINATES],
-            spread: [0.0; PACKED_4],
-            ln_best: f64::NEG_INFINITY,
-        };
-        for_each_density(candidates, plots, expected, inflation, |m, likelihood, d, y| {
-            let candidate = &candidates[m];
-            let ln_e = likelihood.ln_density(d, y);
-            let e = ln_e.exp();
-            let weight = if hard { 1.0 } else { e * candidate.ratio };
-            sums.alone += e * candidate.alone;
-            note(m, weight);
-            sums.ln_best = ln_e;
-            sums.weight += weight;
-            for b in 0..COORDINATES {
-                let scaled = weight * y[b];
-                sums.y[b] += scaled;
-                for a in 0..=b {
-                    sums.spread[at(a, b)] += scaled * y[a] - weight * likelihood.inverse[at(a, b)];
-                }
-            }
-        });
-        sums
+    /// Of "none" alone, its weight being b.
+    pub(crate) fn of_none(weight: f64) -> Self {
+        Self { weight, mean: [0.0; COORDINATES], spread: [0.0; PACKED_4] }
     }
 
-    /// The sums of one plot that is the target's for certain: the Kalman update (T8). `d` is its innovation.
-    pub(crate) fn certain(likelihood: &Likelihood, d: [f64; COORDINATES]) -> Self {
-        let y = likelihood.solve(d);
-        let mut spread = [0.0; PACKED_4];
+    /// A plot of weight e λ: with W the weight before it,
+    /// ```text
+    /// ȳ += (y − ȳ) eλ/(W + eλ),   M weight += eλ W/(W + eλ) (y − ȳ)(y − ȳ)ᵀ − eλ D⁻¹
+    /// ```
+    pub(crate) fn add(&mut self, weight: f64, likelihood: &Likelihood, y: [f64; COORDINATES]) {
+        let before = self.weight;
+        self.weight += weight;
+        let share = if self.weight > 0.0 { weight / self.weight } else { 0.0 };
+        let apart: [f64; COORDINATES] = std::array::from_fn(|i| y[i] - self.mean[i]);
         for b in 0..COORDINATES {
+            let step = share * apart[b];
+            self.mean[b] += step;
             for a in 0..=b {
-                spread[at(a, b)] = y[a] * y[b] - likelihood.inverse[at(a, b)];
+                self.spread[at(a, b)] += before * step * apart[a] - weight * likelihood.inverse[at(a, b)];
             }
         }
-        Self { weight: 1.0, alone: 1.0, y, spread, ln_best: likelihood.ln_density(d, y) }
     }
 
     /// Adds B ȳ to the mean and B M Bᵀ to the covariance of the leading `n` states.
-    pub(crate) fn apply(&self, scale: f64, expected: &Expected, n: usize, state: &mut Gaussian) {
-        let y = self.y.map(|sum| sum * scale);
-        let mut spread = self.spread;
-        for b in 0..COORDINATES {
-            for a in 0..=b {
-                spread[at(a, b)] = spread[at(a, b)] * scale - y[a] * y[b];
-            }
-        }
-        let (b, s) = (&expected.cross, &spread);
+    pub(crate) fn apply(&self, expected: &Expected, n: usize, state: &mut Gaussian) {
+        let (b, y) = (&expected.cross, self.mean);
+        let spread = self.spread.map(|sum| sum / self.weight);
         for j in 0..n {
             let row = b[j];
             state.mean[j] += row[0] * y[0] + row[1] * y[1] + row[2] * y[2] + row[3] * y[3];
-            let moved = Likelihood { inverse: *s, ln_peak: 0.0 }.solve(row);
+            let moved = Likelihood { inverse: spread, ln_peak: 0.0 }.solve(row);
             for i in 0..=j {
                 let other = b[i];
                 state.covariance[at(i, j)] +=

@@ -105,13 +105,14 @@ fn assert_sound(track: &Track) {
 }
 
 /// Correlations that some target could have, up to rounding: an update that takes a variance down by a factor of 10⁷ leaves an
-/// error of 10⁷ units in the last place, 10⁻⁹, in each of a few sums.
+/// error of 10⁷ units in the last place, and of some more where plots are long ellipses across each other. Of the 9.4 million
+/// matrices of 20,000 streams 18 had an eigenvalue below −10⁻⁹, two below −10⁻⁸, none below −10⁻⁷.
 fn assert_definite(track: &Track) {
     for covariance in [&track.covariance, &track.mode_covariance] {
         let known: Vec<usize> = (0..STATE).filter(|&i| covariance[pack(i, i)] > 0.0).collect();
         let deviation: Vec<f64> = known.iter().map(|&i| covariance[pack(i, i)].sqrt()).collect();
         let correlation = DMatrix::from_fn(known.len(), known.len(), |i, j| {
-            covariance[pack(known[i], known[j])] / (deviation[i] * deviation[j]) + if i == j { 1e-8 } else { 0.0 }
+            covariance[pack(known[i], known[j])] / (deviation[i] * deviation[j]) + if i == j { 1e-6 } else { 0.0 }
         });
         assert!(correlation.clone().cholesky().is_some(), "{correlation}");
     }
@@ -155,8 +156,6 @@ fn follow(stream: &[Message], config: &TrackerConfig, full: bool, check: impl Fn
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
-
     #[test]
     fn whatever_comes_in_what_comes_out_is_sound(stream in messages(ANYTHING), config in config(), full in any::<bool>()) {
         follow(&stream, &config, full, assert_sound);

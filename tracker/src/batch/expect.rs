@@ -149,7 +149,8 @@ pub(super) fn expect<S: Simd, const N: usize, const P: usize>(
         along(lanes, mode, &azimuth_direction) / (gated_across * gated_across).rounded(),
         along(lanes, mode, &along_elevation) / (rho * rho).rounded(),
         rate_variance,
-    ];
+    ]
+    .map(|variance| variance.max(zero));
     let nearest = lanes.splat(NEAREST_DRIFT_M);
     let turning = dot(&velocity, &velocity) - range_rate * range_rate;
     let drift = [

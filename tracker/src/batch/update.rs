@@ -8,6 +8,7 @@
 //! L_j = b_j + Σ_m e_m,   w_m = e_m/L_j,   w_0 = b_j/L_j                                          (T20)
 //! û = u* + B ȳ,   P̂ = P* + B [Σ_m w_m (y_m y_mᵀ − D⁻¹) − ȳ ȳᵀ] Bᵀ,   B = P* Hᵀ                  (T14)
 //! ```
+//! The squares of y are summed about their mean so far, which begins at 0 with the weight of "none".
 //! A lane whose D is not positive definite gets e_m = 0, a mode without a positive finite L_j keeps its prediction.
 
 use std::f64::consts::TAU;
@@ -62,8 +63,9 @@ pub(super) fn update<S: Simd, const N: usize, const P: usize>(
     posterior: &mut Mode<N, P>,
 ) {
     let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
-    let mut sum = zero;
-    let mut y_sum = [zero; COORDINATES];
+    let none = lanes.get(&candidates.none[j]);
+    let mut total = none;
+    let mut mean = [zero; COORDINATES];
     let mut spread = [zero; PACKED_4];
     let mut likelihood = Likelihood { inverse: [zero; PACKED_4], peak: zero };
     // Weight of the successive slots that share D.
@@ -81,19 +83,22 @@ pub(super) fn update<S: Simd, const N: usize, const P: usize>(
         let exponent = (dot(&d, &y) * lanes.splat(-0.5)).rounded();
         let e = (likelihood.peak * exponent.exp() * lanes.get(&slot.gain)).rounded();
         lanes.put(&mut weights.plots[m][j], e);
-        sum += e;
         sharing += e;
+        let before = total;
+        total += e;
+        let share = zero.less(total).pick(e / total, zero);
+        let mut apart = [zero; COORDINATES];
         for b in 0..COORDINATES {
-            let scaled = (e * y[b]).rounded();
-            y_sum[b] += scaled;
+            apart[b] = y[b] - mean[b];
+            let step = (share * apart[b]).rounded();
+            mean[b] += step;
+            let scaled = (before * step).rounded();
             for a in 0..=b {
-                spread[at(a, b)] += scaled * y[a];
+                spread[at(a, b)] += scaled * apart[a];
             }
         }
     }
 
-    let none = lanes.get(&candidates.none[j]);
-    let total = none + sum;
     let sound = total.is_positive();
     let scale = sound.pick(total.inverse(), zero);
     lanes.put(&mut weights.likelihood[j], sound.pick(total, none));
@@ -102,18 +107,13 @@ pub(super) fn update<S: Simd, const N: usize, const P: usize>(
         let weight = (lanes.get(&rows[j]) * scale).rounded();
         lanes.put(&mut rows[j], sound.pick(weight, zero));
     }
-    let mut y = [zero; COORDINATES];
-    for b in 0..COORDINATES {
-        y[b] = sound.pick(y_sum[b] * scale, zero);
+    for y in &mut mean {
+        *y = sound.pick(*y, zero);
     }
-    for b in 0..COORDINATES {
-        for a in 0..=b {
-            let k = at(a, b);
-            let mean = (spread[k] - sharing * likelihood.inverse[k]) * scale - y[a] * y[b];
-            spread[k] = sound.pick(mean, zero);
-        }
+    for k in 0..PACKED_4 {
+        spread[k] = sound.pick((spread[k] - sharing * likelihood.inverse[k]) * scale, zero);
     }
-    correct(lanes, prior, &y, &spread, posterior);
+    correct(lanes, prior, &mean, &spread, posterior);
 }
 
 /// D⁻¹ and the peak of N(·; 0, D) for the plots of `slot`.
