@@ -10,7 +10,7 @@ check:
 test:
     cargo test
 
-# Property tests with other and more cases than `test` draws: `just search 7 20000`
+# Property tests with other draws than `test` makes, and as many as asked for: `just search 7 50000`
 search seed cases="20000":
     PROPTEST_RNG_SEED={{seed}} PROPTEST_CASES={{cases}} cargo test --release --workspace --no-fail-fast --lib --test any_input --test batch --test filter --test recording
 

@@ -17,7 +17,7 @@ use crate::imm::{Imm, Transition};
 use crate::measurement::{COORDINATES, Expected, Measurement};
 use crate::motion::{DIMENSIONS, MODES, Motion};
 use crate::state::{Gaussian, at};
-use crate::update::{Outcome, Sums, Workspace, for_each_density, reweight};
+use crate::update::{Moments, Outcome, Workspace, for_each_density, reweight};
 
 /// Children this far below the best in ln w are dropped.
 const DROPPED: f64 = 11.5;
@@ -234,9 +234,9 @@ impl Hypotheses {
                     if let Some(likelihood) = expected.likelihood(plot, rules.inflation) {
                         let d = expected.innovation(plot, offset_s);
                         let y = likelihood.solve(d);
-                        let mut sums = Sums::of_none(0.0);
-                        sums.add(1.0, &likelihood, y); // the plot is the target's for certain: (T8)
-                        sums.apply(expected, DIMENSIONS[j], &mut imm.modes[j]);
+                        let mut moments = Moments::of_none(0.0);
+                        moments.add(1.0, &likelihood, y); // the plot is the target's for certain: (T8)
+                        moments.apply(expected, DIMENSIONS[j], &mut imm.modes[j]);
                         ln_likelihood[j] = likelihood.ln_density(d, y);
                     }
                 }

@@ -206,7 +206,9 @@ impl Expected {
         for i in 0..3 {
             covariance[at(i, 3)] = cross[i][3];
         }
-        covariance[9] = (0..3).map(|i| g_p[i] * cross[i][3] + e_r[i] * cross[3 + i][3]).sum();
+        let rate_variance: f64 = (0..3).map(|i| g_p[i] * cross[i][3] + e_r[i] * cross[3 + i][3]).sum();
+        // Rounding can take what is nothing below zero, here and in the other variances.
+        covariance[9] = rate_variance.max(0.0);
         let along = |e: [f64; 3]| {
             let mut sum = 0.0;
             for b in 0..3 {
@@ -221,7 +223,7 @@ impl Expected {
             along(frame.along_elevation) / (frame.range_m * frame.range_m),
             covariance[9],
         ]
-        .map(|variance| variance.max(0.0)); // less than nothing by rounding
+        .map(|variance| variance.max(0.0));
         Self {
             frame,
             position,

@@ -8,9 +8,9 @@
 //! W_j ∝ W*_j L_j                                                                  (T15)
 //! ```
 //! This is (T14) with the spread terms, rearranged so that a plot costs 4×4 work whatever the
-//! number of states, and P̂ is symmetric by construction. The squares of y are summed about their mean so far: a plot at the edge of
-//! the gate has y yᵀ thousands of times as large as D⁻¹, and rounding of it would be all that is left of P̂. D_m depends on the
-//! plot's own errors; it is factored once for successive plots that share them.
+//! number of states, and P̂ is symmetric by construction. The squares of y are summed about their mean so far: a plot n standard
+//! deviations from where the mode expects it has y yᵀ n² times as large as D⁻¹, whose rounding would spoil what is left of P*. D_m
+//! depends on the plot's own errors; it is factored once for successive plots that share them.
 
 use common::config::Association;
 
@@ -120,7 +120,7 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
             continue;
         }
         let none = if hard { 0.0 } else { density * missed[j] / d };
-        let mut sums = Sums::of_none(none);
+        let mut moments = Moments::of_none(none);
         let (mut alone, mut ln_best) = (none, f64::NEG_INFINITY);
         for_each_density(candidates, plots, &expected[j], rules.inflation, |m, likelihood, d, y| {
             let ln_e = likelihood.ln_density(d, y);
@@ -129,9 +129,9 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
             alone += e * candidates[m].alone;
             ln_best = ln_e; // of the one that there is, where only that is asked for
             weights[m][j] = weight;
-            sums.add(weight, likelihood, y);
+            moments.add(weight, likelihood, y);
         });
-        let total = sums.weight;
+        let total = moments.weight;
         mode_likelihood[j] = if hard { ln_best.exp() } else { total };
         ln_likelihood[j] = if hard { ln_best } else { total.ln() };
         let ratio = |sum: f64, one: f64| {
@@ -144,7 +144,7 @@ pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
             for weight in weights.iter_mut() {
                 weight[j] /= total;
             }
-            sums.apply(&expected[j], DIMENSIONS[j], &mut posterior.modes[j]);
+            moments.apply(&expected[j], DIMENSIONS[j], &mut posterior.modes[j]);
         } else {
             mode_likelihood[j] = none;
             for weight in weights.iter_mut() {
@@ -183,7 +183,7 @@ pub(crate) fn reweight(probability: &mut [f64; MODES], ln_likelihood: [f64; MODE
 }
 
 /// Running moments of the mixture over "none" and the candidates of one mode.
-pub(crate) struct Sums {
+pub(crate) struct Moments {
     /// b + Σ_m e_m λ_m.
     weight: f64,
     /// ȳ, y being 0 for "none".
@@ -192,7 +192,7 @@ pub(crate) struct Sums {
     spread: [f64; PACKED_4],
 }
 
-impl Sums {
+impl Moments {
     /// Of "none" alone, its weight being b.
     pub(crate) fn of_none(weight: f64) -> Self {
         Self { weight, mean: [0.0; COORDINATES], spread: [0.0; PACKED_4] }

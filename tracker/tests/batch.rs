@@ -327,6 +327,42 @@ fn a_million_scans_stay_sound() {
     }
 }
 
+/// P* that rounding has left with less than nothing along the line of sight: gates stay finite, and a plot is worth the same to both.
+#[test]
+fn a_predicted_variance_below_zero_is_none() {
+    let (radar, motion) = (radar(true), motion(true));
+    let kernel = Kernel::new(motion, radar, ALPHA, 0.0);
+    let polar = [10_000.0, TAU / 8.0, 0.0, 0.0];
+    let plot = measurement(polar, 10.0, [true; COORDINATES]);
+    let mut track = two_plots(&plot, &plot, 1.0, &motion, [0.33, 0.34, 0.33]);
+    for (mode, n) in DIMENSIONS.into_iter().enumerate() {
+        // Towards 45°: (p_xx + 2 p_xy + p_yy)/2, of the position and of the velocity.
+        for (x, variance, below) in [(0, 1e6, 1e4), (3, 1e4, 5e3)].into_iter().filter(|(x, ..)| x + 1 < n) {
+            let p = &mut track.modes[mode].covariance;
+            (p[at(x, x)], p[at(x + 1, x + 1)], p[at(x, x + 1)]) = (variance, variance, -variance - below);
+            (0..n).filter(|i| i / 3 != x / 3).for_each(|i| (p[at(i, x)], p[at(i, x + 1)]) = (0.0, 0.0));
+        }
+    }
+    let (mut block, mut forecast) = (Block::default(), Forecast::default());
+    block.load(3, &track);
+    forecast.prediction = block;
+    kernel.expect(&mut forecast);
+    assert_expectation(&forecast, 3, &track, &radar);
+    let gates = plain::gates(&plain::expect(&track), &radar, ALPHA);
+    assert!(gates.iter().all(|gate| gate.volume(&radar).is_finite() && gate.predicted[0] == 0.0));
+    assert!(gates[1..].iter().all(|gate| gate.predicted[3] == 0.0));
+    let choice = Choice { plot, offset_s: 0.0, gain: 1e12 };
+    let (mut offered, mut weights) = (Candidates::default(), Weights::default());
+    offered.clear();
+    offered.set_none(3, [0.1; MODES]);
+    offered.add(3, &choice.plot, choice.offset_s, choice.gain);
+    kernel.update(&forecast, &offered, &mut weights, &mut block);
+    let plain = plain::update(&track, &[choice], [0.1; MODES], 0.0);
+    for (mode, likelihood) in plain.likelihood.into_iter().enumerate() {
+        assert!(likelihood > 0.2 && close(weights.likelihood[mode].0[3], likelihood), "{mode}: {likelihood}");
+    }
+}
+
 /// What a single plot that is the target's for certain leaves of P* does not depend on where it lies (T8). Its y yᵀ, 900 times as large as
 /// D⁻¹ at 30 standard deviations, must not take the place of what is left.
 #[test]
@@ -406,15 +442,15 @@ proptest! {
                     prop_assert!((sum - 1.0).abs() < 1e-9, "{sum}");
                     prop_assert!(track.is_sound() || !prediction.is_sound());
                 }
+                for j in (0..MODES).filter(|_| predictions[0].is_sound()) {
+                    prop_assert!(!weights.likelihood[j].0[5].is_nan());
+                    let sum: f64 = weights.plots[..choices.len()].iter().map(|rows| rows[j].0[5]).sum();
+                    prop_assert!((sum + weights.none[j].0[5] - 1.0).abs() < 1e-9, "{sum}");
+                }
                 if !predictions.iter().all(Imm::is_sound) {
                     // Plots of 10³⁰⁰, or errors of 10¹² m beside some of a metre, can leave a sound covariance whose prediction is
                     // not: the tracker ends such a track.
                     break;
-                }
-                for j in 0..MODES {
-                    prop_assert!(!weights.likelihood[j].0[5].is_nan());
-                    let sum: f64 = weights.plots[..choices.len()].iter().map(|rows| rows[j].0[5]).sum();
-                    prop_assert!((sum + weights.none[j].0[5] - 1.0).abs() < 1e-9, "{sum}");
                 }
             }
         }

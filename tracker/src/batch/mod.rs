@@ -6,7 +6,7 @@
 //! predict  (vectors)    W*, u*, P* of three modes ─▶ h, P* H₄ᵀ, gate of each mode, U_j                 (T2)-(T5), (T9)
 //! choose   (by track)   t, D from U_j;  plots with q ≥ t in any gate ─▶ slot m = 1, 2, … of the lane   (T20) 1-3
 //! update   (vectors)    for each mode:
-//!                         for each slot:  D⁻¹ unless as before;  d, y = D⁻¹ d, e;  Σ e, Σ e y, Σ e y yᵀ
+//!                         for each slot:  D⁻¹ unless as before;  d, y = D⁻¹ d, e;  Σ e, ȳ, Σ e (y yᵀ − D⁻¹) about ȳ
 //!                         L, w;  û = u* + B ȳ;  P̂ = P* + B M Bᵀ                                        (T20) 4, (T14)
 //!                       W ∝ W* L
 //! ```
