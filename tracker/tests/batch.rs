@@ -367,26 +367,33 @@ fn a_predicted_variance_below_zero_is_none() {
 /// D⁻¹ at 30 standard deviations, must not take the place of what is left.
 #[test]
 fn the_covariance_after_one_certain_plot_does_not_depend_on_its_place() {
-    let (motion, kernel) = (motion(true), Kernel::new(motion(true), radar(true), ALPHA, 0.0));
+    let (motion, radar) = (motion(true), radar(true));
+    let kernels = instructions().into_iter().map(|on| Kernel::new(motion, radar, ALPHA, 0.0).on(on));
     let (range_m, measured) = (10_000.0, [true, true, true, false]);
     let start = measurement([range_m, 0.7, 0.3, 0.0], 30.0, measured);
     let plot = |deviations: f64| measurement([range_m + deviations * 30.0 * SIGMA[0], 0.7, 0.3, 0.0], 0.03, measured);
-    let (mut block, mut forecast) = (Block::default(), Forecast::default());
-    block.load(0, &two_plots(&start, &start, 1.0, &motion, [0.33, 0.34, 0.33]));
-    kernel.predict(&block, &Step::splat(1e-3, &transition(0.9, 1e-3)), &mut forecast);
-    let prediction = forecast.prediction.store(0);
+    let prediction = two_plots(&start, &start, 1.0, &motion, [0.33, 0.34, 0.33]);
+    let prediction = prediction.predict(&transition(0.9, 1e-3), &motion, 1e-3);
     let after = |deviations: f64| {
-        let (mut offered, mut weights, mut block) = (Candidates::default(), Weights::default(), Block::default());
-        offered.clear();
-        offered.set_none(0, [0.0; MODES]);
-        offered.add(0, &plot(deviations), 0.0, 1e250);
-        kernel.update(&forecast, &offered, &mut weights, &mut block);
+        let mut posteriors = Vec::new();
+        for kernel in kernels.clone() {
+            let (mut forecast, mut offered) = (Forecast::default(), Candidates::default());
+            let (mut weights, mut block) = (Weights::default(), Block::default());
+            forecast.prediction.load(0, &prediction);
+            kernel.expect(&mut forecast);
+            offered.clear();
+            offered.set_none(0, [0.0; MODES]);
+            offered.add(0, &plot(deviations), 0.0, 1e250);
+            kernel.update(&forecast, &offered, &mut weights, &mut block);
+            posteriors.push(block.store(0));
+        }
         let rules = Rules { association: Association::Nearest, alpha: 1e3, ..Rules::new(&TrackerConfig::default()) };
-        let (radar, clutter) = (radar(true), |_: &[f64; COORDINATES]| FalsePlots { density: 1e-9, mean_excess: 1.0 });
+        let clutter = |_: &[f64; COORDINATES]| FalsePlots { density: 1e-9, mean_excess: 1.0 };
         let surroundings =
             Surroundings { radar: &radar, detection_probability: 0.9, target: None, shares: &[], clutter };
         let outcome = update(&prediction, 0, &[plot(deviations)], &surroundings, &rules, &mut Workspace::default());
-        [block.store(0), outcome.posterior]
+        posteriors.push(outcome.posterior);
+        posteriors
     };
     for (near, far) in after(0.0).iter().zip(&after(30.0)) {
         for (mode, n) in DIMENSIONS.into_iter().enumerate() {
