@@ -8,10 +8,11 @@
 //! the steady state.
 //!
 //! **Limits.** Arithmetic: 5040 multiplications and additions a track and 159 a plot, 5835 here: 182 cycles of two eight-lane fused
-//! operations, 0.065 µs at 2.8 GHz (squares about a running mean are 27 more a plot, three of them divisions, and 75 fewer a track). Memory: a track is 744 bytes, read and written in each scan; its five plots are 560
-//! bytes, read once for the index and once for the gates, and 140 are the index: 2.8 kB. 1000 tracks stay in the second-level cache; 10,000 and more
-//! do not; figures are in `docs/results.md`. The same number of neighbours stands about each track at every number of tracks (five above each other),
-//! or else time would measure those.
+//! operations, 0.065 µs at 2.8 GHz (squares about a running mean are 27 more a plot, three of them divisions, and 75 fewer a track).
+//! Memory: a track is 744 bytes, read and written in each scan; its five plots are 560 bytes, read once for the index and once for the
+//! gates, and 140 are the index: 2.8 kB. 1000 tracks stay in the second-level cache; 10,000 and more do not; figures are in
+//! `docs/results.md`. The same number of neighbours stands about each track at every number of tracks (five above each other), or else
+//! time would measure those.
 //!
 //! `plot_index` is the index alone: sorting, and one window of four expected plots about each plot.
 //!

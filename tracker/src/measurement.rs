@@ -206,15 +206,15 @@ impl Expected {
         for i in 0..3 {
             covariance[at(i, 3)] = cross[i][3];
         }
+        // Rounding can take a variance below zero, here and of the other coordinates.
         let rate_variance: f64 = (0..3).map(|i| g_p[i] * cross[i][3] + e_r[i] * cross[3 + i][3]).sum();
-        // Rounding can take what is nothing below zero, here and in the other variances.
         covariance[9] = rate_variance.max(0.0);
         let along = |e: [f64; 3]| {
-            let mut sum = 0.0;
+            let mut sum = 0.0_f64;
             for b in 0..3 {
                 sum += e[b] * (p[at(0, b)] * e[0] + p[at(1, b)] * e[1] + p[at(2, b)] * e[2]);
             }
-            sum
+            sum.max(0.0)
         };
         let across = (frame.range_m * frame.cos_elevation).max(NEAREST_M);
         let polar_variance = [
@@ -222,8 +222,7 @@ impl Expected {
             along(frame.along_azimuth) / (across * across),
             along(frame.along_elevation) / (frame.range_m * frame.range_m),
             covariance[9],
-        ]
-        .map(|variance| variance.max(0.0));
+        ];
         Self {
             frame,
             position,

@@ -16,7 +16,7 @@
 //! cycle some 200 cycles. What is not arithmetic must therefore stay small: a block is loaded and stored whole, the
 //! states of two axes stay in registers from P̂ to P*, slots of equal errors share one factorisation.
 //!
-//! The oracle is the plain code, one track at a time, in `tests/batch.rs`.
+//! The oracle is the plain code, one track at a time, in `tests/batch`.
 
 #![expect(clippy::inline_always, reason = "vectors must stay in the function that was compiled for the machine")]
 
