@@ -1,4 +1,4 @@
-//! The claim of a launcher to its domain: there is one at a time, and death gives it up.
+//! One launcher for a domain at a time: a lock that the kernel releases when the process dies.
 
 use std::fs::File;
 use std::os::unix::fs::MetadataExt;
@@ -11,8 +11,8 @@ use common::ipc::Domain;
 use common::process::BadInput;
 use rustix::fs::{FlockOperation, flock};
 
-/// Who looks whether a domain is taken holds the lock for less than this time.
-const GLANCE: Duration = Duration::from_millis(200);
+/// Whoever tests whether a domain is locked holds the lock for less than this time.
+const TEST: Duration = Duration::from_millis(200);
 
 /// Held as long as the launcher looks after the domain.
 #[derive(Debug)]
@@ -22,8 +22,8 @@ pub(crate) struct Claim {
 }
 
 impl Claim {
-    /// Claims the domain, or says that another launcher has it.
-    pub(crate) fn take(ipc: &IpcConfig) -> anyhow::Result<Self> {
+    /// Locks the domain, or says that another launcher has it.
+    pub(crate) fn lock_domain(ipc: &IpcConfig) -> anyhow::Result<Self> {
         let path = Self::path(ipc);
         std::fs::create_dir_all(&ipc.root).with_context(|| format!("creating {}", ipc.root))?;
         let began = Instant::now();
@@ -38,8 +38,8 @@ impl Claim {
             }
             let lock = lock.with_context(|| format!("opening {}", path.display()))?;
             if flock(&lock, FlockOperation::NonBlockingLockExclusive).is_err() {
-                if began.elapsed() < GLANCE {
-                    std::thread::sleep(GLANCE / 10); // somebody may only be looking whether it is taken
+                if began.elapsed() < TEST {
+                    std::thread::sleep(TEST / 10); // it may only be tested
                     continue;
                 }
                 let prefix = &ipc.prefix;
@@ -57,7 +57,7 @@ impl Claim {
     }
 
     /// Whether a living launcher has the domain.
-    pub(crate) fn is_taken(ipc: &IpcConfig) -> bool {
+    pub(crate) fn is_locked(ipc: &IpcConfig) -> bool {
         File::open(Self::path(ipc)).is_ok_and(|file| flock(&file, FlockOperation::NonBlockingLockShared).is_err())
     }
 

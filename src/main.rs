@@ -1,22 +1,12 @@
 //! `radar-chain`: launches, supervises and shows a radar processing chain.
 
-mod board;
-mod chaos;
-mod child;
+mod checks;
 mod claim;
-mod compare;
-mod doctor;
+mod dispatch;
 mod keeper;
-mod machine;
-mod metrics;
-mod orphans;
-mod post;
 mod run;
-mod screen;
-mod soak;
-mod stage;
-mod status;
-mod supervisor;
+mod stages;
+mod watch;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -24,11 +14,12 @@ use std::time::Duration;
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
-use common::config::{self, ChainConfig, Speed};
+use common::config::{self, Sites, Speed};
 use common::process::{BadInput, StageArgs};
 use recorder::window::Window;
 
-use crate::stage::StageName;
+use crate::checks::{chaos, compare, doctor, soak};
+use crate::watch::status;
 
 /// Configuration of the default run, in the folder the command is given in.
 const DEFAULT_CONFIG: &str = "config/uav.toml";
@@ -91,7 +82,8 @@ enum Command {
     #[command(hide = true)]
     Stage {
         /// Which
-        name: StageName,
+        #[arg(value_parser = dispatch::names())]
+        name: String,
         #[command(flatten)]
         args: StageArgs,
     },
@@ -106,7 +98,7 @@ struct ChainArgs {
     /// Override one key, for example --set extractor.pfa=1e-4
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Name of the radar
+    /// Name of the radar; of a configuration with several sites, the one to run
     #[arg(long, value_name = "NAME")]
     site: Option<String>,
     /// Keep this chain's shared memory apart from others'
@@ -164,7 +156,7 @@ struct SoakArgs {
 }
 
 impl SoakArgs {
-    fn load(&self) -> anyhow::Result<ChainConfig> {
+    fn load(&self) -> anyhow::Result<Sites> {
         let mut overrides = Vec::new();
         for budget in &self.budgets {
             overrides.push(budget_override(budget)?);
@@ -209,31 +201,35 @@ impl ChainArgs {
     /// All overrides, `more` last.
     fn all_overrides(&self, more: Vec<String>) -> Vec<String> {
         let mut overrides = self.overrides.clone();
-        overrides.extend(self.site.iter().map(|site| format!("site.name={site}")));
         overrides.extend(self.ipc_prefix.iter().map(|prefix| format!("ipc.prefix={prefix}")));
         overrides.extend(more);
         overrides
     }
 
     /// The effective configuration, `more` overrides applied last.
-    fn load(&self, more: Vec<String>) -> anyhow::Result<ChainConfig> {
+    fn load(&self, more: Vec<String>) -> anyhow::Result<Sites> {
         let overrides = self.all_overrides(more);
         let path = self.config.clone().unwrap_or_else(|| PathBuf::from(DEFAULT_CONFIG));
-        let loaded = config::load(Some(&path), &overrides);
+        let loaded = config::load_sites(Some(&path), &overrides);
         if self.config.is_none() && !path.exists() {
             return loaded.context("run this in the project's folder, or name a file with --config");
         }
-        Ok(loaded?)
+        let sites = loaded?;
+        match (&self.site, sites.only()) {
+            (Some(name), None) => Ok(Sites::one(sites.named(name)?.clone())),
+            (Some(name), Some(_)) => Ok(config::load_sites(Some(&path), &[overrides, vec![renamed(name)]].concat())?),
+            (None, _) => Ok(sites),
+        }
     }
 }
 
 impl RunArgs {
-    fn load(&self) -> anyhow::Result<ChainConfig> {
+    fn load(&self) -> anyhow::Result<Sites> {
         self.load_with(Vec::new())
     }
 
     /// The effective configuration, `more` overrides applied last.
-    fn load_with(&self, more: Vec<String>) -> anyhow::Result<ChainConfig> {
+    fn load_with(&self, more: Vec<String>) -> anyhow::Result<Sites> {
         let text = |path: &PathBuf| toml_text(&path.display().to_string());
         let mut overrides = Vec::new();
         overrides.extend(self.scans.map(|scans| format!("run.scans={scans}")));
@@ -250,13 +246,19 @@ impl RunArgs {
             None if self.window.is_set() => Err(BadInput("--from and --to: expected with --replay".into()).into()),
             None => self.chain.load(overrides),
             Some(file) => {
-                let overrides = self.chain.all_overrides(overrides);
+                let mut overrides = self.chain.all_overrides(overrides);
+                overrides.extend(self.chain.site.iter().map(|name| renamed(name)));
                 let mut config = recorder::replay::replay_config(file, self.chain.config.as_deref(), overrides)?;
                 self.window.narrow(&mut config)?;
-                Ok(config)
+                Ok(Sites::one(config))
             }
         }
     }
+}
+
+/// The override that gives the site another name.
+fn renamed(name: &str) -> String {
+    format!("site.name={name}")
 }
 
 /// A TOML literal string.
@@ -287,6 +289,6 @@ fn main() -> ExitCode {
             print!("{}", args.load(Vec::new())?.to_toml());
             Ok(ExitCode::SUCCESS)
         }),
-        Command::Stage { name, args } => common::process::run(name.name(), || name.run(&args)),
+        Command::Stage { name, args } => common::process::run(&name, || dispatch::run_stage(&name, &args)),
     }
 }

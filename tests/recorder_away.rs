@@ -13,7 +13,7 @@ use common::ipc::Station;
 use common::message::Stamps;
 use common::recording::Recorded;
 use common::report::{Book, Report};
-use common::services::{Topic, Tracks};
+use common::topic::{Topic, Tracks};
 use common::tracks::{Track, TracksHeader};
 use recorder::verify::Verification;
 use support::{Bench, number, output, signal, small_config, text_of};

@@ -5,7 +5,7 @@ mod support;
 use std::path::{Path, PathBuf};
 
 use common::recording::{Messages, Recorded, open, parts_from};
-use common::services::Topic;
+use common::topic::Topic;
 use recorder::diff::first_difference;
 use support::{Bench, output, small_config, text_of};
 

@@ -4,7 +4,8 @@ mod support;
 
 use common::dwell::DwellHeader;
 use common::ipc::Station;
-use common::services::{Dwells, Message, Topic};
+use common::recording::{Recorded, RecordedRef};
+use common::topic::{Dwells, Message, Topic};
 use support::{Bench, scan, small_config, text_of};
 
 /// The dwells of a version that never was.
@@ -13,14 +14,21 @@ struct OldDwells;
 impl Message for OldDwells {
     const TOPIC: Topic = Topic::Dwells;
     const SCHEMA: &'static str = "dwell/0";
-    const BUFFER: usize = Dwells::BUFFER;
+    const MOST: usize = Dwells::MOST;
+    const QUEUE: usize = Dwells::QUEUE;
     const SUBSCRIBERS: usize = Dwells::SUBSCRIBERS;
     const PUBLISHERS: usize = Dwells::PUBLISHERS;
     const HISTORY: usize = Dwells::HISTORY;
     type Header = DwellHeader;
     type Element = f32;
-    fn place(header: &DwellHeader) -> (u64, u64) {
-        (header.session, header.seq)
+    const SOURCE: &'static str = Dwells::SOURCE;
+
+    fn recorded(header: DwellHeader, cells: Vec<f32>) -> Recorded {
+        Dwells::recorded(header, cells)
+    }
+
+    fn borrowed<'a>(header: &'a DwellHeader, cells: &'a [f32]) -> RecordedRef<'a> {
+        Dwells::borrowed(header, cells)
     }
 }
 

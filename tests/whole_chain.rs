@@ -3,7 +3,7 @@
 mod support;
 
 use common::recording::{container, jsonl};
-use common::services::Topic;
+use common::topic::Topic;
 use plot_extractor::PlotExtractor;
 use recorder::diff::first_difference;
 use support::{Bench, text_of};

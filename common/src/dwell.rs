@@ -3,11 +3,20 @@
 //! Payload: `[elevation][doppler][range]` of f32 amplitudes, range fastest, in units
 //! of the receiver (the simulator's noise has unit mean power).
 
+use std::io;
+
 use iceoryx2::prelude::ZeroCopySend;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::message::{Header, Place};
+use crate::recording::row::{Row, Table};
+
+/// Most cells in a dwell: 16 MiB of amplitudes.
+pub const MAX_CELLS: usize = 4 * 1024 * 1024;
+
 /// Header of one dwell of a stacked-beam radar.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/DwellHeader/1")]
 #[repr(C)]
 #[repr(align(64))]
@@ -75,5 +84,23 @@ impl DwellHeader {
     /// Whether one of the flags of [`crate::message`] is set.
     pub fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
+    }
+}
+
+impl Header for DwellHeader {
+    fn place(&self) -> Place {
+        let Self { session, seq, time_ns, flags, scan, .. } = *self;
+        Place { session, seq, time_ns, flags, scan: Some(scan) }
+    }
+
+    fn make_comparable(&mut self) {
+        (self.session, self.source_out_ns) = (0, 0);
+    }
+}
+
+/// Cells have no table: they would take 10⁹ bytes per second.
+impl Row<DwellHeader> for f32 {
+    fn put_row(&self, _: &DwellHeader, _: &mut dyn Table) -> io::Result<()> {
+        Ok(())
     }
 }

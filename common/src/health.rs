@@ -1,13 +1,18 @@
 //! `health`: what each process says of itself, once a second and at every scan.
 
+use std::io;
+
 use iceoryx2::prelude::ZeroCopySend;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::label::Label;
 use crate::latency::LATENCIES;
-use crate::services::TOPICS;
+use crate::message::{Header, Place};
+use crate::recording::row::{Row, Table, Value};
+use crate::topic::Topic;
 
-/// Why a piece of input was not used. Counted per reason in [`Health::rejected`].
+/// Why a piece of input was not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(usize)]
 pub enum Reject {
@@ -41,35 +46,39 @@ pub enum Reject {
     NotATarget,
 }
 
-/// Number of reasons in [`Reject`].
-pub const REJECTS: usize = 14;
-
-/// Names of the reasons in reports, in the order of [`Reject`].
-pub const REJECT_NAMES: [&str; REJECTS] = [
-    "length_mismatch",
-    "bad_header",
-    "bad_amplitude",
-    "bad_plot",
-    "late",
-    "full",
-    "truncated_record",
-    "other_category",
-    "unknown_item",
-    "no_position",
-    "no_time",
-    "fixed_monitor",
-    "no_address",
-    "not_a_target",
-];
+impl Reject {
+    /// All reasons with their names in reports.
+    const NAMED: [(Self, &'static str); 14] = [
+        (Self::LengthMismatch, "length_mismatch"),
+        (Self::BadHeader, "bad_header"),
+        (Self::BadAmplitude, "bad_amplitude"),
+        (Self::BadPlot, "bad_plot"),
+        (Self::Late, "late"),
+        (Self::Full, "full"),
+        (Self::TruncatedRecord, "truncated_record"),
+        (Self::OtherCategory, "other_category"),
+        (Self::UnknownItem, "unknown_item"),
+        (Self::NoPosition, "no_position"),
+        (Self::NoTime, "no_time"),
+        (Self::FixedMonitor, "fixed_monitor"),
+        (Self::NoAddress, "no_address"),
+        (Self::NotATarget, "not_a_target"),
+    ];
+}
 
 /// Counts of rejected input by [`Reject`].
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-pub struct Rejected(pub [u64; REJECTS]);
+pub struct Rejected([u64; Reject::NAMED.len()]);
 
 impl Rejected {
     /// Counts one rejected piece of input.
     pub fn count(&mut self, reason: Reject) {
-        self.0[reason as usize] += 1;
+        self.count_many(reason, 1);
+    }
+
+    /// Counts several rejected pieces of input.
+    pub fn count_many(&mut self, reason: Reject, count: u64) {
+        self.0[reason as usize] += count;
     }
 
     /// Adds the counts of `other`.
@@ -82,6 +91,12 @@ impl Rejected {
     /// How many have been rejected for one reason.
     pub fn of(&self, reason: Reject) -> u64 {
         self.0[reason as usize]
+    }
+
+    /// Reasons and counts, of those that occurred.
+    pub fn named(&self) -> impl Iterator<Item = (&'static str, u64)> {
+        let all = Reject::NAMED.into_iter().map(|(reason, name)| (name, self.of(reason)));
+        all.filter(|&(_, count)| count > 0)
     }
 
     /// How many have been rejected in all.
@@ -119,10 +134,10 @@ impl Condition {
     }
 }
 
-/// What a stage may ask of the operating system (`[realtime]`).
+/// Real-time settings of a stage that the operating system may refuse (`[realtime]`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
-pub enum Wish {
+pub enum RealtimeSetting {
     /// Processors to run on.
     Cpus,
     /// Scheduling class and priority.
@@ -131,8 +146,8 @@ pub enum Wish {
     LockMemory,
 }
 
-impl Wish {
-    /// All wishes with their names, as in the configuration.
+impl RealtimeSetting {
+    /// All settings with their names, as in the configuration.
     pub const NAMED: [(Self, &'static str); 3] =
         [(Self::Cpus, "cpus"), (Self::Scheduling, "scheduling"), (Self::LockMemory, "lock_memory")];
 
@@ -141,9 +156,9 @@ impl Wish {
         1 << self as u32
     }
 
-    /// Names of the wishes in a set of bits.
+    /// Names of the settings in a set of bits.
     pub fn names(bits: u32) -> Vec<&'static str> {
-        Self::NAMED.iter().filter(|(wish, _)| bits & wish.bit() != 0).map(|&(_, name)| name).collect()
+        Self::NAMED.iter().filter(|(setting, _)| bits & setting.bit() != 0).map(|&(_, name)| name).collect()
     }
 }
 
@@ -160,6 +175,41 @@ pub struct Intake {
     pub restarts: u64,
     /// Last sequence number received.
     pub last_seq: u64,
+}
+
+/// A topic that a process reads, and what it knows of it.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
+#[type_name("radar/Input/1")]
+#[repr(C)]
+pub struct Input {
+    /// Name of the topic; empty where there is none.
+    pub topic: Label,
+    /// Messages received and missed.
+    pub intake: Intake,
+}
+
+/// Input that was rejected for one reason.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
+#[type_name("radar/RejectedFor/1")]
+#[repr(C)]
+pub struct RejectedFor {
+    /// The reason; empty where there is none.
+    pub reason: Label,
+    /// How many pieces of input.
+    pub count: u64,
+}
+
+/// Messages of one topic that the full queue of one observer has discarded.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
+#[type_name("radar/ObserverLoss/1")]
+#[repr(C)]
+pub struct ObserverLoss {
+    /// Name of the topic; empty where there is none.
+    pub topic: Label,
+    /// Name of the observer.
+    pub observer: Label,
+    /// Messages discarded.
+    pub lost: u64,
 }
 
 /// p50 and p99 of one latency over the run so far.
@@ -179,12 +229,14 @@ pub struct LatencySummary {
 
 /// State of one process.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
-#[type_name("radar/Health/2")]
+#[type_name("radar/Health/3")]
 #[repr(C)]
 #[repr(align(64))]
 pub struct Health {
-    /// Name of the process, UTF-8, padded with zeros.
-    pub name: [u8; 24],
+    /// Name of the process.
+    pub process: Label,
+    /// Site that the report is about.
+    pub site: Label,
     /// Session of the process: changes at each start.
     pub session: u64,
     /// Counts the health messages of this session from 0.
@@ -199,12 +251,14 @@ pub struct Health {
     pub messages_out: u64,
     /// Elements (cells, plots, tracks) published.
     pub elements_out: u64,
-    /// By topic, in the order of [`crate::services::Topic`].
-    pub intake: [Intake; TOPICS],
+    /// The topics that it reads.
+    pub inputs: [Input; INPUTS],
     /// By latency, in the order of [`crate::latency::Latency`]; only the recorder fills it.
     pub latency: [LatencySummary; LATENCIES],
-    /// Rejected input, in the order of [`Reject`].
-    pub rejected: [u64; REJECTS],
+    /// Rejected input, by reason.
+    pub rejected: [RejectedFor; REASONS],
+    /// What full queues of observers have discarded of the messages that it publishes.
+    pub observers: [ObserverLoss; OBSERVERS],
     /// Scan being worked on.
     pub scan: u32,
     /// Process identifier.
@@ -227,27 +281,144 @@ pub struct Health {
     pub silences: u32,
     /// Steps that took longer than `watchdog.slow_s`.
     pub slow_steps: u32,
-    /// Real-time wishes that the system has refused, one bit each by [`Wish`].
+    /// Real-time settings that the system has refused, one bit each by [`RealtimeSetting`].
     pub refused: u32,
     /// Resident memory that no other process shares, KiB.
     pub private_kib: u32,
     /// Always 0: no undefined bytes.
-    pub reserved: u32,
+    pub reserved: [u32; 11],
 }
 
-const _: () = assert!(size_of::<Health>() == 576 && align_of::<Health>() == 64);
+const _: () = assert!(size_of::<Health>() == 2112 && align_of::<Health>() == 64);
+
+/// Topics that a process can tell of.
+pub const INPUTS: usize = 8;
+/// Reasons of rejection that a process can tell of; what is rejected for more counts under the last.
+pub const REASONS: usize = 16;
+/// Observers that a process can tell of; what more of them lose counts under the last.
+pub const OBSERVERS: usize = 8;
 
 impl Health {
-    /// Name of the process.
-    pub fn process(&self) -> &str {
-        let end = self.name.iter().position(|&byte| byte == 0).unwrap_or(self.name.len());
-        std::str::from_utf8(&self.name[..end]).unwrap_or("?")
+    /// What the process knows of a topic that it reads.
+    pub fn intake(&self, topic: Topic) -> Intake {
+        self.inputs().find(|&(name, _)| name == topic.name()).map(|(_, intake)| *intake).unwrap_or_default()
     }
 
-    /// Sets the name of the process; what is longer than 24 bytes is cut.
-    pub fn set_process(&mut self, name: &str) {
-        self.name = [0; 24];
-        let length = name.len().min(self.name.len());
-        self.name[..length].copy_from_slice(&name.as_bytes()[..length]);
+    /// The topics that it reads, by name.
+    pub fn inputs(&self) -> impl Iterator<Item = (&str, &Intake)> {
+        self.inputs.iter().filter(|input| !input.topic.is_empty()).map(|input| (input.topic.as_str(), &input.intake))
+    }
+
+    /// Notes what the process knows of a topic.
+    pub fn set_intake(&mut self, topic: Topic, intake: Intake) {
+        let name = Label::new(topic.name());
+        let place = self.inputs.iter().position(|input| input.topic == name || input.topic.is_empty());
+        self.inputs[place.unwrap_or(INPUTS - 1)] = Input { topic: name, intake };
+    }
+
+    /// Rejected input, by reason.
+    pub fn rejected(&self) -> impl Iterator<Item = (&str, u64)> {
+        self.rejected.iter().filter(|of| of.count > 0).map(|of| (of.reason.as_str(), of.count))
+    }
+
+    /// Notes what has been rejected so far.
+    pub fn set_rejected(&mut self, rejected: &Rejected) {
+        self.rejected = [RejectedFor::default(); REASONS];
+        for (place, (name, count)) in rejected.named().enumerate() {
+            let of = &mut self.rejected[place.min(REASONS - 1)];
+            *of = RejectedFor { reason: Label::new(name), count: of.count + count };
+        }
+    }
+
+    /// What observers have lost of the messages that the process publishes.
+    pub fn observers(&self) -> impl Iterator<Item = &ObserverLoss> {
+        self.observers.iter().filter(|of| !of.topic.is_empty())
+    }
+
+    /// Notes what observers have lost so far.
+    pub fn set_observers(&mut self, losses: &[ObserverLoss]) {
+        self.observers = [ObserverLoss::default(); OBSERVERS];
+        for (place, loss) in losses.iter().enumerate() {
+            let of = &mut self.observers[place.min(OBSERVERS - 1)];
+            *of = ObserverLoss { lost: of.lost + loss.lost, ..*loss };
+        }
+    }
+}
+
+/// Header of a health message. The payload is one [`Health`].
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
+#[type_name("radar/HealthHeader/1")]
+#[repr(C)]
+pub struct HealthHeader {
+    /// Session of the process.
+    pub session: u64,
+    /// Counts from 0 in a session.
+    pub seq: u64,
+}
+
+impl Header for HealthHeader {
+    fn place(&self) -> Place {
+        Place { session: self.session, seq: self.seq, ..Place::default() }
+    }
+
+    fn make_comparable(&mut self) {
+        self.session = 0;
+    }
+}
+
+impl Row<HealthHeader> for Health {
+    fn put_row(&self, _: &HealthHeader, table: &mut dyn Table) -> io::Result<()> {
+        table.put("process", Value::Text(self.process.as_str()))?;
+        table.put("session", Value::U64(self.session))?;
+        table.put("seq", Value::U64(self.seq))?;
+        table.put("heartbeat_ns", Value::U64(self.heartbeat_ns))?;
+        table.put("cpu_ns", Value::U64(self.cpu_ns))?;
+        table.put("rss_bytes", Value::U64(self.rss_bytes))?;
+        table.put("messages_out", Value::U64(self.messages_out))?;
+        table.put("scan", Value::U32(self.scan))?;
+        table.put("pid", Value::U32(self.pid))?;
+        for topic in Topic::ALL {
+            table.put(&format!("received_{}", topic.name()), Value::U64(self.intake(topic).received))?;
+        }
+        for topic in Topic::ALL {
+            table.put(&format!("lost_{}", topic.name()), Value::U64(self.intake(topic).lost))?;
+        }
+        for (_, name) in Reject::NAMED {
+            let count = self.rejected().find(|&(reason, _)| reason == name).map_or(0, |(_, count)| count);
+            table.put(&format!("rejected_{name}"), Value::U64(count))?;
+        }
+        table.put("lost_by_observers", Value::U64(self.observers().map(|of| of.lost).sum()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_of_more_reasons_and_observers_than_there_is_room_for_are_kept_in_sum() {
+        let mut health = Health::default();
+        let losses: Vec<ObserverLoss> = (0..OBSERVERS + 3)
+            .map(|k| ObserverLoss { topic: "tracks".into(), observer: format!("o{k}").as_str().into(), lost: 1 })
+            .collect();
+        health.set_observers(&losses);
+        assert_eq!(health.observers().map(|of| of.lost).sum::<u64>() as usize, losses.len());
+        let mut rejected = Rejected::default();
+        for (reason, _) in Reject::NAMED {
+            rejected.count(reason);
+        }
+        health.set_rejected(&rejected);
+        assert_eq!(health.rejected().map(|(_, count)| count).sum::<u64>(), rejected.total());
+    }
+
+    #[test]
+    fn a_topic_keeps_its_place() {
+        let mut health = Health::default();
+        for received in 1..4 {
+            health.set_intake(Topic::Plots, Intake { received, ..Intake::default() });
+            health.set_intake(Topic::Truth, Intake { received: 7, ..Intake::default() });
+        }
+        assert_eq!((health.intake(Topic::Plots).received, health.inputs().count()), (3, 2));
+        assert_eq!(health.intake(Topic::Dwells), Intake::default());
     }
 }

@@ -135,6 +135,14 @@ pub fn blocks(intervals: &[Interval], latency: usize, count: usize) -> Vec<(f64,
     of_latency.chunks(per_block).map(merge).collect()
 }
 
+/// Name of the log `name` of one of several sites.
+pub fn of_site(name: &str, site: &str) -> String {
+    match name.rsplit_once('.') {
+        Some((stem, extension)) => format!("{stem}-{site}.{extension}"),
+        None => format!("{name}-{site}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,5 @@
 //! What every process of the chain agrees on: messages, frames and geometry,
-//! the statistics of amplitudes, configuration, services and their ports.
+//! the statistics of amplitudes, configuration, topics and their ports.
 //!
 //! ```text
 //! radar-sim ──dwells──▶ plot-extractor ──plots──▶ tracker ──tracks──▶ recorder
@@ -11,9 +11,12 @@ pub mod amplitude;
 pub mod angle;
 pub mod config;
 pub mod dwell;
+mod fnv;
+pub mod geodesy;
 pub mod geometry;
 pub mod health;
 pub mod ipc;
+pub mod label;
 pub mod latency;
 pub mod latency_log;
 pub mod logging;
@@ -25,8 +28,9 @@ pub mod random;
 pub mod realtime;
 pub mod recording;
 pub mod report;
-pub mod services;
 pub mod time;
+pub mod topic;
+pub mod topology;
 pub mod tracks;
 pub mod truth;
 pub mod units;

@@ -55,3 +55,39 @@ pub struct Lineage {
     /// Results published in this session of the stage before this one.
     pub published_before: u64,
 }
+
+/// Where a message stands in its stream.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// Session of the publisher.
+    pub session: u64,
+    /// Position in the stream.
+    pub seq: u64,
+    /// Measurement time, ns UTC; 0 where a message has none.
+    pub time_ns: u64,
+    /// `END_OF_…`; 0 where a message has none.
+    pub flags: u32,
+    /// Scan number from 0, where messages belong to one.
+    pub scan: Option<u32>,
+}
+
+/// What every header says of its message.
+pub trait Header {
+    /// Where the message stands.
+    fn place(&self) -> Place;
+
+    /// The upstream messages that went into it, where there is an upstream.
+    fn lineage(&self) -> Option<&Lineage> {
+        None
+    }
+
+    /// Takes away what differs between two runs of the same input: sessions and stamps.
+    fn make_comparable(&mut self);
+}
+
+impl Lineage {
+    /// The lineage without the session of the upstream publisher, which differs from run to run.
+    pub(crate) fn make_comparable(&mut self) {
+        self.session = 0;
+    }
+}

@@ -3,11 +3,17 @@
 //! One message per sector, also when nothing was detected: a missing message always
 //! means loss, and the tracker knows how far the beam's results are complete.
 
+use std::io;
+
 use iceoryx2::prelude::ZeroCopySend;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::message::{Lineage, Stamps};
+use crate::message::{Header, Lineage, Place, Stamps};
+use crate::recording::row::{Row, Table, Value};
+
+/// Most plots in one message; the weakest of more are left out and counted.
+pub const MAX_PLOTS: usize = 1024;
 
 /// [`Plot::elevation_rad`] is measured.
 pub const HAS_ELEVATION: u32 = 1;
@@ -126,5 +132,46 @@ impl PlotsHeader {
     /// Whether one of the flags of [`crate::message`] is set.
     pub fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
+    }
+}
+
+impl Header for PlotsHeader {
+    fn place(&self) -> Place {
+        let Self { session, seq, time_ns, flags, scan, .. } = *self;
+        Place { session, seq, time_ns, flags, scan: Some(scan) }
+    }
+
+    fn lineage(&self) -> Option<&Lineage> {
+        Some(&self.lineage)
+    }
+
+    fn make_comparable(&mut self) {
+        (self.session, self.stamps) = (0, Stamps::default());
+        self.lineage.make_comparable();
+    }
+}
+
+impl Row<PlotsHeader> for Plot {
+    fn put_row(&self, header: &PlotsHeader, table: &mut dyn Table) -> io::Result<()> {
+        let (elevation, range_rate) = (self.has(HAS_ELEVATION), self.has(HAS_RANGE_RATE));
+        table.put("seq", Value::U64(header.seq))?;
+        table.put("scan", Value::U32(header.scan))?;
+        table.put("sector", Value::U32(header.sector))?;
+        table.put("time_ns", Value::U64(self.time_ns))?;
+        table.put("range_m", Value::F64(self.range_m))?;
+        table.put("azimuth_rad", Value::F64(self.azimuth_rad))?;
+        table.put_if(elevation, "elevation_rad", Value::F64(self.elevation_rad))?;
+        table.put_if(range_rate, "range_rate_mps", Value::F64(self.range_rate_mps))?;
+        table.put("sigma_range_m", Value::F32(self.sigma_range_m))?;
+        table.put("sigma_azimuth_rad", Value::F32(self.sigma_azimuth_rad))?;
+        table.put_if(elevation, "sigma_elevation_rad", Value::F32(self.sigma_elevation_rad))?;
+        table.put_if(range_rate, "sigma_range_rate_mps", Value::F32(self.sigma_range_rate_mps))?;
+        table.put_if(self.has(HAS_STATISTIC), "statistic", Value::F32(self.statistic))?;
+        table.put("snr_db", Value::F32(self.snr_db))?;
+        table.put("cell_count", Value::U32(self.cell_count))?;
+        table.put("flags", Value::U32(self.flags))?;
+        table.put("source_id", Value::U32(self.source_id))?;
+        table.put_if(self.target_id != 0, "target_id", Value::U32(self.target_id))?;
+        Ok(())
     }
 }

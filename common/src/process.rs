@@ -8,12 +8,12 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use sd_notify::NotifyState;
 
-use crate::config::{self, ChainConfig, ConfigError};
-use crate::health::{Condition, Health};
-use crate::ipc::{Domain, IpcError, Publisher, Station, Watchdog};
+use crate::config::{self, ChainConfig, ConfigError, Sites};
+use crate::health::{Condition, Health, HealthHeader};
+use crate::ipc::{Domain, IpcError, ObserverLosses, Publisher, Station, Watchdog};
 use crate::logging;
-use crate::services::{HealthHeader, HealthReports};
 use crate::time::{monotonic_ns, open_files, process_cpu_ns, resident_bytes};
+use crate::topic::HealthReports;
 
 /// Exit code: the chain ran, but a budget, loss limit or check was broken.
 pub const EXIT_CHECK_BROKEN: u8 = 1;
@@ -34,6 +34,9 @@ pub struct StageArgs {
     /// Keep this chain's shared memory apart from others'
     #[arg(long, value_name = "PREFIX")]
     pub ipc_prefix: Option<String>,
+    /// Which site, of a configuration that has several
+    #[arg(long, value_name = "NAME")]
+    pub site: Option<String>,
     /// Go on where the run in this domain stands, as its keeper has written down
     #[arg(long, value_name = "WHAT")]
     pub resume: Option<Resume>,
@@ -61,25 +64,41 @@ impl Resume {
     }
 }
 
-/// Where the keeper of a domain writes down what a stage that is started again goes on with.
-pub const RESUME_FILE: &str = "resume";
+/// Where the keeper of a domain writes down what a stage that is started again goes on with; `site` is the one that
+/// `--site` names.
+pub fn resume_file(site: Option<&str>) -> String {
+    site.map_or("resume".to_string(), |site| format!("resume-{site}"))
+}
 
 impl StageArgs {
-    /// The effective configuration.
+    /// The effective configuration of the site that the process works for.
     ///
     /// # Errors
     /// [`ConfigError`].
     pub fn load(&self) -> Result<ChainConfig, ConfigError> {
+        let sites = self.load_sites()?;
+        match (&self.site, sites.only()) {
+            (Some(name), _) => Ok(sites.named(name)?.clone()),
+            (None, Some(only)) => Ok(only.clone()),
+            (None, None) => sites.named("not given (--site)").cloned(),
+        }
+    }
+
+    /// The effective configuration of all sites, for a process that serves all of them.
+    ///
+    /// # Errors
+    /// [`ConfigError`].
+    pub fn load_sites(&self) -> Result<Sites, ConfigError> {
         let mut overrides = self.overrides.clone();
         if let Some(prefix) = &self.ipc_prefix {
             overrides.push(format!("ipc.prefix={prefix}"));
         }
-        let chain = config::load(self.config.as_deref(), &overrides)?;
-        let Some(resume) = self.resume else { return Ok(chain) };
-        let file = Domain::root(&chain.ipc).join(RESUME_FILE);
+        let sites = config::load_sites(self.config.as_deref(), &overrides)?;
+        let Some(resume) = self.resume else { return Ok(sites) };
+        let file = Domain::root(&sites.first().ipc).join(resume_file(self.site.as_deref()));
         let place = std::fs::read_to_string(file).unwrap_or_default(); // none: the run begins
         overrides.extend(place.lines().filter(|line| line.starts_with(resume.key())).map(String::from));
-        config::load(self.config.as_deref(), &overrides)
+        config::load_sites(self.config.as_deref(), &overrides)
     }
 }
 
@@ -182,6 +201,7 @@ pub fn new_session() -> u64 {
 /// watches over the process (`NOTIFY_SOCKET`) hears of it at the same times.
 pub struct HealthReporter {
     publisher: Publisher<HealthReports>,
+    losses: ObserverLosses,
     /// The report, to be kept up to date by the process.
     pub health: Health,
     watchdog: Watchdog,
@@ -197,10 +217,17 @@ impl HealthReporter {
     /// [`IpcError`].
     pub fn new(station: &Station, chain: &ChainConfig, session: u64, refused: u32) -> Result<Self, IpcError> {
         let mut health = Health { session, pid: std::process::id(), refused, ..Health::default() };
-        health.set_process(station.process());
+        (health.process, health.site) = (station.process().into(), station.site().into());
         tracing::info!(process = station.process(), version = env!("CARGO_PKG_VERSION"), session, "started");
         let watchdog = Watchdog::new(chain, station.process());
-        Ok(Self { publisher: station.publisher(1, &[])?, health, watchdog, last: None, last_scan: u32::MAX })
+        Ok(Self {
+            publisher: station.publisher(1)?,
+            losses: station.observer_losses(),
+            health,
+            watchdog,
+            last: None,
+            last_scan: u32::MAX,
+        })
     }
 
     /// The watchdog of the process, for [`crate::ipc::attend`].
@@ -229,6 +256,7 @@ impl HealthReporter {
         self.health.private_kib = (private >> 10) as u32;
         self.health.files = open_files();
         self.watchdog.describe(&mut self.health);
+        self.health.set_observers(&self.losses.counts());
         let header = HealthHeader { session: self.health.session, seq: self.health.seq };
         self.publisher.publish(&header, std::slice::from_ref(&self.health), |_| {})?;
         self.tell_service_manager();

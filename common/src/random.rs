@@ -3,6 +3,8 @@
 use chacha20::ChaCha8Rng;
 use rand::SeedableRng;
 
+use crate::fnv::fnv1a;
+
 /// What a draw is for: one independent stream of numbers each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
@@ -37,6 +39,11 @@ pub fn generator(seed: u64, purpose: Purpose, scan: u32, dwell: u32) -> ChaCha8R
     key[12..16].copy_from_slice(&scan.to_le_bytes());
     key[16..20].copy_from_slice(&dwell.to_le_bytes());
     ChaCha8Rng::from_seed(key)
+}
+
+/// The seed of everything random about the thing `name`: another for every name.
+pub fn seed_for(seed: u64, name: &str) -> u64 {
+    fnv1a(seed, name.as_bytes())
 }
 
 #[cfg(test)]

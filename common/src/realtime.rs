@@ -11,33 +11,33 @@ use thread_priority::unix::{
 use thread_priority::{ThreadPriority, ThreadPriorityValue};
 
 use crate::config::{Scheduling, StageRealtime};
-use crate::health::Wish;
+use crate::health::RealtimeSetting;
 
 /// Stack that a stage is given for good when its memory is locked, bytes.
 const STACK: usize = 512 * 1024;
 
-/// Takes what `wishes` ask for and gives the bits of those that were refused ([`Wish::bit`]).
+/// Takes what `settings` ask for and gives the bits of those that were refused ([`RealtimeSetting::bit`]).
 ///
 /// To be called by the main thread before ports are opened: memory that is mapped later is locked, and with that touched, too.
-pub fn take(wishes: &StageRealtime) -> u32 {
+pub fn apply(settings: &StageRealtime) -> u32 {
     let mut refused = 0;
-    let mut note = |wish: Wish, result: Result<(), String>| {
+    let mut note = |setting: RealtimeSetting, result: Result<(), String>| {
         if let Err(reason) = result {
-            let name = Wish::names(wish.bit()).concat();
+            let name = RealtimeSetting::names(setting.bit()).concat();
             tracing::warn!("realtime.{name} refused, going on without: {reason}");
-            refused |= wish.bit();
+            refused |= setting.bit();
         }
     };
-    if !wishes.cpus.is_empty() {
-        note(Wish::Cpus, pin(&wishes.cpus));
+    if !settings.cpus.is_empty() {
+        note(RealtimeSetting::Cpus, pin(&settings.cpus));
     }
-    if wishes.lock_memory {
+    if settings.lock_memory {
         let locked = mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE);
-        note(Wish::LockMemory, locked.map_err(|error| format!("{error} (see `ulimit -l`)")));
+        note(RealtimeSetting::LockMemory, locked.map_err(|error| format!("{error} (see `ulimit -l`)")));
         touch_stack();
     }
-    if wishes.scheduling == Scheduling::Fifo {
-        note(Wish::Scheduling, run_first(wishes.priority));
+    if settings.scheduling == Scheduling::Fifo {
+        note(RealtimeSetting::Scheduling, run_first(settings.priority));
     }
     refused
 }
@@ -71,10 +71,13 @@ mod tests {
     fn what_cannot_be_had_is_refused_and_no_more() {
         // In a thread of its own: affinity is a thread's.
         let refused = std::thread::spawn(|| {
-            let wishes = StageRealtime { cpus: vec![1000], ..StageRealtime::default() };
-            (take(&wishes), take(&StageRealtime { cpus: vec![0], ..StageRealtime::default() }))
+            let settings = StageRealtime { cpus: vec![1000], ..StageRealtime::default() };
+            (apply(&settings), apply(&StageRealtime { cpus: vec![0], ..StageRealtime::default() }))
         });
-        assert_eq!(refused.join().expect("no panic"), (Wish::Cpus.bit(), 0));
-        assert_eq!(Wish::names(Wish::Cpus.bit() | Wish::LockMemory.bit()), ["cpus", "lock_memory"]);
+        assert_eq!(refused.join().expect("no panic"), (RealtimeSetting::Cpus.bit(), 0));
+        assert_eq!(
+            RealtimeSetting::names(RealtimeSetting::Cpus.bit() | RealtimeSetting::LockMemory.bit()),
+            ["cpus", "lock_memory"]
+        );
     }
 }

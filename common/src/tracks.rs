@@ -1,10 +1,16 @@
 //! `tracks`: the tracks that could be brought up to date by the plots of one sector.
 
+use std::io;
+
 use iceoryx2::prelude::ZeroCopySend;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::message::{Lineage, Stamps};
+use crate::message::{Header, Lineage, Place, Stamps};
+use crate::recording::row::{Row, SIGMA_COLUMNS, STATE_COLUMNS, Table, Value, put_all};
+
+/// Most tracks in one message; tentative ones are left out first, and counted.
+pub const MAX_TRACKS: usize = 256;
 
 /// Length of the state vector [x ẋ ẍ y ẏ ÿ z ż z̈].
 pub const STATE: usize = 9;
@@ -204,6 +210,54 @@ impl TracksHeader {
     /// Whether one of the flags of [`crate::message`] is set.
     pub fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
+    }
+}
+
+impl Header for TracksHeader {
+    fn place(&self) -> Place {
+        let Self { session, seq, time_ns, flags, scan, .. } = *self;
+        Place { session, seq, time_ns, flags, scan: Some(scan) }
+    }
+
+    fn lineage(&self) -> Option<&Lineage> {
+        Some(&self.lineage)
+    }
+
+    fn make_comparable(&mut self) {
+        (self.session, self.stamps) = (0, Stamps::default());
+        self.lineage.make_comparable();
+    }
+}
+
+/// Names of the probabilities of the modes.
+const MODE_COLUMNS: [&str; 3] = ["mode_hover", "mode_constant_velocity", "mode_manoeuvre"];
+
+impl Row<TracksHeader> for Track {
+    fn put_row(&self, header: &TracksHeader, table: &mut dyn Table) -> io::Result<()> {
+        table.put("seq", Value::U64(header.seq))?;
+        table.put("scan", Value::U32(header.scan))?;
+        table.put("sector", Value::U32(header.sector))?;
+        table.put("id", Value::U64(self.id))?;
+        table.put("time_ns", Value::U64(self.time_ns))?;
+        table.put("state_code", Value::U32(self.state_code))?;
+        put_all(&STATE_COLUMNS, &self.state, table)?;
+        let sigmas: [f64; STATE] = std::array::from_fn(|axis| self.covariance[pack(axis, axis)].sqrt());
+        put_all(&SIGMA_COLUMNS, &sigmas, table)?;
+        table.put("existence", Value::F64(self.existence))?;
+        put_all(&MODE_COLUMNS, &self.mode_probability, table)?;
+        table.put("gate_code", Value::U32(self.gate_code))?;
+        table.put("gate_volume", Value::F64(self.gate_volume))?;
+        table.put("plots_in_gate", Value::U32(self.plots_in_gate))?;
+        table.put("weight_none", Value::F64(self.weight_none))?;
+        let found = self.best_plot_index != u32::MAX;
+        table.put_if(found, "weight_best", Value::F64(self.weight_best))?;
+        table.put_if(found, "best_plot_seq", Value::U64(self.best_plot_seq))?;
+        table.put_if(found, "best_plot_index", Value::U32(self.best_plot_index))?;
+        table.put("snr_db", Value::F32(self.snr_db))?;
+        table.put("age_scans", Value::U32(self.age_scans))?;
+        table.put("hits", Value::U32(self.hits))?;
+        table.put("misses", Value::U32(self.misses))?;
+        Ok(())
     }
 }
 

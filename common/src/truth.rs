@@ -1,10 +1,17 @@
 //! `truth`: where the targets really were, once per scan. Only for scoring.
 
+use std::io;
+
 use iceoryx2::prelude::ZeroCopySend;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::message::{Header, Place};
+use crate::recording::row::{Row, STATE_COLUMNS, Table, Value, put_all};
 use crate::tracks::STATE;
+
+/// Most targets in the truth of one scan.
+pub const MAX_TARGETS: usize = 1024;
 
 /// [`TruthTarget::mode`]: standing in the air.
 pub const HOVER: u32 = 0;
@@ -91,3 +98,27 @@ pub struct TruthHeader {
 }
 
 const _: () = assert!(size_of::<TruthHeader>() == 64 && align_of::<TruthHeader>() == 64);
+
+impl Header for TruthHeader {
+    fn place(&self) -> Place {
+        let Self { session, seq, time_ns, flags, scan, .. } = *self;
+        Place { session, seq, time_ns, flags, scan: Some(scan) }
+    }
+
+    fn make_comparable(&mut self) {
+        (self.session, self.source_out_ns) = (0, 0);
+    }
+}
+
+impl Row<TruthHeader> for TruthTarget {
+    fn put_row(&self, header: &TruthHeader, table: &mut dyn Table) -> io::Result<()> {
+        table.put("seq", Value::U64(header.seq))?;
+        table.put("target_id", Value::U32(self.target_id))?;
+        table.put("time_ns", Value::U64(self.time_ns))?;
+        table.put("mode", Value::U32(self.mode))?;
+        table.put("flags", Value::U32(self.flags))?;
+        table.put_if(!self.snr_db.is_nan(), "snr_db", Value::F32(self.snr_db))?;
+        put_all(&STATE_COLUMNS, &self.state, table)?;
+        Ok(())
+    }
+}

@@ -5,11 +5,11 @@ use std::io::Cursor;
 use std::rc::Rc;
 
 use common::dwell::DwellHeader;
-use common::health::Health;
+use common::health::{Health, HealthHeader};
 use common::plots::{Plot, PlotsHeader};
 use common::recording::container::{self, Description, Reader, Writer};
 use common::recording::{Recorded, RecordingError, jsonl, open, open_container as container_form};
-use common::services::{HealthHeader, Topic};
+use common::topic::Topic;
 use common::tracks::{Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget};
 use proptest::prelude::*;
@@ -44,8 +44,8 @@ fn messages(scans: u64) -> Vec<Recorded> {
             let header = TruthHeader { seq: seq / 4, time_ns, ..TruthHeader::default() };
             messages.push(Recorded::Truth(header, vec![target]));
             let mut health = Health { seq: seq / 4, rss_bytes: 1 << 40, ..Health::default() };
-            health.set_process("tracker");
-            messages.push(Recorded::Health(HealthHeader { session: 5, seq: seq / 4 }, vec![health]));
+            health.process = "tracker".into();
+            messages.push(Recorded::HealthReports(HealthHeader { session: 5, seq: seq / 4 }, vec![health]));
         }
     }
     messages

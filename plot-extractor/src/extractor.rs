@@ -5,8 +5,7 @@ use common::config::{ExtractorConfig, RadarConfig};
 use common::dwell::DwellHeader;
 use common::health::Reject;
 use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM, Lineage, Stamps, TRUNCATED};
-use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot, PlotsHeader};
-use common::services::MAX_PLOTS;
+use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, MAX_PLOTS, Plot, PlotsHeader};
 use common::units::{NS_PER_S, to_db};
 
 use crate::centroid::{curvature, interpolate};

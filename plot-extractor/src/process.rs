@@ -8,8 +8,8 @@ use common::ipc::{Flow, Station, Turn, attend};
 use common::message::END_OF_STREAM;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
-use common::services::{Consumer, Dwells, MAX_PLOTS, Plots, Topic};
 use common::time::monotonic_ns;
+use common::topic::{Dwells, Message, Plots, Topic};
 
 use crate::PlotExtractor;
 
@@ -23,9 +23,9 @@ pub const NAME: &str = "plot-extractor";
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut extractor = PlotExtractor::new(&chain.extractor, &chain.radar);
-    let refused = realtime::take(chain.realtime.of(NAME));
+    let refused = realtime::apply(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
-    let publisher = station.publisher::<Plots>(MAX_PLOTS, &[Consumer::Tracker, Consumer::Recorder])?;
+    let publisher = station.publisher::<Plots>(Plots::MOST)?;
     let wake = station.wake(Topic::Dwells)?;
     let dwells = station.subscriber::<Dwells>()?;
     let session = new_session();
@@ -65,8 +65,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         }
         let ended = reporter.health.ended == 1;
         if ended || reporter.is_due() {
-            reporter.health.intake[Topic::Dwells as usize] = dwells.intake();
-            reporter.health.rejected = rejected.0;
+            reporter.health.set_intake(Topic::Dwells, dwells.intake());
+            reporter.health.set_rejected(&rejected);
             reporter.publish()?;
         }
         // Asked to stop, it still works off what the source sends until its last dwell.

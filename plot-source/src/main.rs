@@ -7,7 +7,6 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::{Parser, Subcommand};
-use common::health::REJECT_NAMES;
 use common::process::{BadInput, StageArgs};
 use common::recording::RecordedRef;
 use common::recording::jsonl::Writer;
@@ -70,7 +69,7 @@ fn convert(stage: &StageArgs, plots: &Path, truth: Option<&Path>) -> anyhow::Res
 
     let mut out = std::io::stdout().lock();
     writeln!(out, "records {records}  scans {scans}  plots {plot_count}  truth {truth_count}")?;
-    for (name, count) in REJECT_NAMES.iter().zip(rejected.0).filter(|&(_, count)| count > 0) {
+    for (name, count) in rejected.named() {
         writeln!(out, "rejected {name} {count}")?;
     }
     Ok(ExitCode::SUCCESS)

@@ -8,8 +8,8 @@ use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::pace::Pace;
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
-use common::services::{Consumer, MAX_PLOTS, MAX_TARGETS, Plots, Truth};
 use common::time::monotonic_ns;
+use common::topic::{Message, Plots, Truth};
 
 use crate::Source;
 
@@ -24,14 +24,14 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut source = Source::open(&chain).map_err(|error| BadInput(error.to_string()))?;
     source.skip_to(chain.run.first_scan);
-    let refused = realtime::take(chain.realtime.of(NAME));
+    let refused = realtime::apply(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
-    let plots = station.publisher::<Plots>(MAX_PLOTS, &[Consumer::Tracker, Consumer::Recorder])?;
-    let truth = station.publisher::<Truth>(MAX_TARGETS, &[Consumer::Recorder])?;
+    let plots = station.publisher::<Plots>(Plots::MOST)?;
+    let truth = station.publisher::<Truth>(Truth::MOST)?;
     let session = new_session();
     let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
     if chain.run.first_scan == 0 {
-        reporter.health.rejected = source.rejected().0; // of the whole file: said once, not at every restart
+        reporter.health.set_rejected(source.rejected()); // of the whole file: said once, not at every restart
     }
     reporter.publish()?;
     plots.wait_for_consumers()?;

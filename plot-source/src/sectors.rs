@@ -8,8 +8,7 @@ use std::f64::consts::TAU;
 
 use common::config::{PlotSourceConfig, SiteConfig};
 use common::message::{END_OF_SCAN, TRUNCATED};
-use common::plots::{Plot, PlotsHeader};
-use common::services::MAX_PLOTS;
+use common::plots::{MAX_PLOTS, Plot, PlotsHeader};
 use common::units::seconds_between;
 
 use crate::radar::Report;

@@ -6,8 +6,7 @@ use common::config::ChainConfig;
 use common::health::Rejected;
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::plots::{Plot, PlotsHeader};
-use common::services::MAX_TARGETS;
-use common::truth::{TruthHeader, TruthTarget};
+use common::truth::{MAX_TARGETS, TruthHeader, TruthTarget};
 use common::units::{NS_PER_S, seconds_between};
 
 use crate::error::SourceError;

@@ -3,7 +3,7 @@
 use common::config::ChainConfig;
 use common::dwell::DwellHeader;
 use common::message::{END_OF_SCAN, END_OF_SECTOR};
-use common::random::{Purpose, generator};
+use common::random::{Purpose, generator, seed_for};
 use common::truth::TruthTarget;
 use common::units::NS_PER_S;
 use rand::RngExt;
@@ -28,12 +28,12 @@ impl DwellSimulator {
     /// # Errors
     /// [`SimError`] if the file of a recorded flight cannot be used.
     pub fn new(chain: &ChainConfig) -> Result<Self, SimError> {
-        Ok(Self {
-            scene: Scene::new(chain)?,
-            clutter: Clutter::new(chain),
-            echoes: Echoes::default(),
-            chain: chain.clone(),
-        })
+        let mut chain = chain.clone();
+        if chain.sim.origin.is_some() {
+            // Several radars see the same targets, each through noise of its own.
+            chain.run.seed = seed_for(chain.run.seed, &chain.site.name);
+        }
+        Ok(Self { scene: Scene::new(&chain)?, clutter: Clutter::new(&chain), echoes: Echoes::default(), chain })
     }
 
     /// Header of a dwell, without session and stamps.

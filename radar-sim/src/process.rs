@@ -8,8 +8,8 @@ use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM};
 use common::pace::Pace;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
-use common::services::{Consumer, Dwells, MAX_TARGETS, Truth};
 use common::time::monotonic_ns;
+use common::topic::{Dwells, Message, Truth};
 use common::truth::TruthHeader;
 
 use crate::DwellSimulator;
@@ -24,12 +24,10 @@ pub const NAME: &str = "radar-sim";
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut simulator = DwellSimulator::new(&chain).map_err(|error| common::process::BadInput(error.to_string()))?;
-    let refused = realtime::take(chain.realtime.of(NAME));
+    let refused = realtime::apply(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
-    let consumers = [Consumer::PlotExtractor, Consumer::Recorder];
-    let consumers = if chain.recorder.dwells { &consumers[..] } else { &consumers[..1] };
-    let dwells = station.publisher::<Dwells>(simulator.cells(), consumers)?;
-    let truth = station.publisher::<Truth>(MAX_TARGETS, &[Consumer::Recorder])?;
+    let dwells = station.publisher::<Dwells>(simulator.cells())?;
+    let truth = station.publisher::<Truth>(Truth::MOST)?;
     let session = new_session();
     let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
     reporter.health.tracks = chain.sim.targets.len() as u32;

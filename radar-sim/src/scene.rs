@@ -2,6 +2,7 @@
 
 use common::angle;
 use common::config::{ChainConfig, RadarConfig, Swerling};
+use common::geodesy::FrameChange;
 use common::geometry::{Polar, range_rate_mps};
 use common::truth::{TruthTarget, VISIBLE};
 use common::units::{from_db, to_db};
@@ -16,6 +17,8 @@ use crate::{SimError, fluctuation};
 struct Target {
     id: u32,
     motion: Motion,
+    /// To the antenna's frame, where the scenario has another.
+    to_antenna: Option<FrameChange>,
     /// SNR at the beam's centre at 1 km, dB, falling with range⁻⁴; or fixed.
     snr_1km_db: Option<f64>,
     fixed_snr_db: f64,
@@ -51,11 +54,16 @@ impl Scene {
     /// [`SimError`].
     pub fn new(chain: &ChainConfig) -> Result<Self, SimError> {
         let radar = chain.radar.clone();
+        let to_antenna = match (chain.sim.origin, chain.site.position) {
+            (Some(origin), Some(site)) if origin != site => Some(FrameChange::new(&origin, &site)),
+            _ => None,
+        };
         let mut targets = Vec::with_capacity(chain.sim.targets.len());
         for (index, config) in chain.sim.targets.iter().enumerate() {
             targets.push(Target {
                 id: index as u32 + 1,
                 motion: Motion::of(config)?,
+                to_antenna,
                 snr_1km_db: config.rcs_m2.map(|rcs| radar.snr_1m2_1km_db + to_db(rcs)),
                 fixed_snr_db: config.snr_db.unwrap_or(0.0),
                 swerling: config.swerling,
@@ -125,7 +133,8 @@ impl Target {
     /// State `time_s` after the start of the run, once the target exists.
     fn at(&self, time_s: f64, radar: &RadarConfig) -> Option<Kinematics> {
         let age_s = time_s - f64::from(self.first_scan) * radar.scan_period_s;
-        (age_s >= 0.0).then(|| self.motion.at(age_s))
+        let state = (age_s >= 0.0).then(|| self.motion.at(age_s))?;
+        Some(self.to_antenna.as_ref().map_or(state, |frame| state.in_frame(frame)))
     }
 
     fn snr_db(&self, range_m: f64) -> f64 {

@@ -8,10 +8,11 @@ use std::collections::BTreeMap;
 use common::message::Lineage;
 use common::recording::RecordedRef;
 use common::report::Book;
-use common::services::{TOPICS, Topic};
+use common::topic::{TOPICS, Topic};
+use common::topology::{RECORDER, Stage, maker};
 use serde::{Deserialize, Serialize};
 
-use crate::losses::{Losses, RECORDER};
+use crate::losses::Losses;
 
 /// The fold of counts.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -22,13 +23,13 @@ pub(crate) struct Books {
     published: [BTreeMap<u64, u64>; TOPICS],
     /// The same as the stages' health says.
     announced: [BTreeMap<u64, u64>; TOPICS],
-    extractor: Stage,
-    tracker: Stage,
+    /// What stages say of their input, by the topic of their results.
+    intakes: [StageIntake; TOPICS],
 }
 
 /// What a stage says of its input.
 #[derive(Debug, Default, Serialize, Deserialize)]
-struct Stage {
+struct StageIntake {
     /// Messages taken, by session of the stage.
     taken: BTreeMap<u64, u64>,
     /// Position after the last one that went into a result.
@@ -39,10 +40,11 @@ impl Books {
     /// Notes a message; health has no schedule.
     pub(crate) fn take(&mut self, message: RecordedRef<'_>) {
         let topic = message.topic();
-        if let RecordedRef::Health(_, reports) = message {
+        if let RecordedRef::HealthReports(_, reports) = message {
             for health in reports {
-                let Some(topic) = results_of(health.process()) else { continue };
-                let announced = self.announced[topic as usize].entry(health.session).or_default();
+                let stage = Stage::from_name(health.process.as_str());
+                let Some(&results) = stage.and_then(|stage| stage.outputs.first()) else { continue };
+                let announced = self.announced[results as usize].entry(health.session).or_default();
                 *announced = (*announced).max(health.messages_out);
             }
             return;
@@ -50,25 +52,26 @@ impl Books {
         let seq = message.seq();
         let (first, last) = self.spans[topic as usize].unwrap_or((seq, seq));
         self.spans[topic as usize] = Some((first.min(seq), last.max(seq)));
-        let (stage, session, lineage) = match message {
-            RecordedRef::Plots(header, _) => (&mut self.extractor, header.session, &header.lineage),
-            RecordedRef::Tracks(header, _) => (&mut self.tracker, header.session, &header.lineage),
-            _ => return,
-        };
-        stage.take(session, lineage);
-        let published = self.published[topic as usize].entry(session).or_default();
+        let Some(lineage) = message.lineage() else { return };
+        self.intakes[topic as usize].take(message.session(), &lineage);
+        let published = self.published[topic as usize].entry(message.session()).or_default();
         *published = (*published).max(lineage.published_before + 1);
     }
 
-    /// Results that the recorder has missed after the last one of a session that it has received.
+    /// Results that the recorder has missed after the last one of a session that it has received; 0 of topics whose
+    /// messages do not count themselves.
     pub(crate) fn tail(&self, topic: Topic) -> u64 {
-        let seen = |session| self.published[topic as usize].get(session).copied().unwrap_or(0);
+        let published = &self.published[topic as usize];
+        if published.is_empty() && maker(topic).is_none() {
+            return 0;
+        }
+        let seen = |session| published.get(session).copied().unwrap_or(0);
         let announced = &self.announced[topic as usize];
         announced.iter().map(|(session, &count)| count.saturating_sub(seen(session))).sum()
     }
 
-    /// The books with what `losses` has counted. Schedules of stages begin at `first_dwell` and `first_sector`.
-    pub(crate) fn balance(&self, losses: &Losses, first_dwell: u64, first_sector: u64) -> Vec<Book> {
+    /// The books with what `losses` has counted. Schedules begin at the positions `first_seq`.
+    pub(crate) fn balance(&self, losses: &Losses, first_seq: impl Fn(Topic) -> u64) -> Vec<Book> {
         let lost = losses.lost();
         let mut books = Vec::new();
         let mut enter = |topic: Topic, consumer: &str, sent: u64, received: u64| {
@@ -76,38 +79,36 @@ impl Books {
             let lost = gaps + if consumer == RECORDER { self.tail(topic) } else { 0 };
             books.push(Book { topic: topic.name().into(), consumer: consumer.into(), sent, received, lost });
         };
-        if self.extractor.passed > 0 {
-            enter(Topic::Dwells, "plot-extractor", self.extractor.passed - first_dwell, self.extractor.taken());
+        for results in Topic::ALL {
+            let Some((stage, topic)) = maker(results) else { continue };
+            let (intake, first) = (&self.intakes[results as usize], first_seq(topic));
+            if intake.passed == 0 {
+                continue;
+            }
+            let counts_itself = maker(topic).is_some();
+            let span = self.spans[topic as usize].map_or(0, |(_, last)| (last + 1).saturating_sub(first));
+            let passed = (intake.passed - first).max(span);
+            let never_sent = if counts_itself { span.saturating_sub(self.published(topic)) } else { 0 };
+            // Of a session's end that neither a message nor a health report has told, only the stage knows.
+            let taken = intake.taken();
+            enter(topic, stage.name, passed.saturating_sub(never_sent).max(taken), taken);
         }
-        if self.tracker.passed > 0 {
-            let span = self.spans[Topic::Plots as usize].map_or(0, |(_, last)| (last + 1).saturating_sub(first_sector));
-            let published: u64 = self.published[Topic::Plots as usize].values().sum();
-            let passed = (self.tracker.passed - first_sector).max(span);
-            let never_sent = span.saturating_sub(published);
-            // Of a session's end that neither a message nor a health report has told, only the tracker knows.
-            let taken = self.tracker.taken();
-            enter(Topic::Plots, "tracker", passed.saturating_sub(never_sent).max(taken), taken);
-        }
-        for topic in [Topic::Dwells, Topic::Plots, Topic::Tracks, Topic::Truth] {
+        for topic in Topic::of_data() {
             let Some((first, last)) = self.spans[topic as usize] else { continue };
-            let published: u64 = self.published[topic as usize].values().sum();
+            let published = self.published(topic);
             let sent = if published > 0 { published + self.tail(topic) } else { last + 1 - first };
             enter(topic, RECORDER, sent, losses.received(topic));
         }
         books
     }
-}
 
-/// The topic whose messages a process counts in its health, of those whose results count themselves.
-fn results_of(process: &str) -> Option<Topic> {
-    match process {
-        "plot-extractor" | "plot-source" => Some(Topic::Plots),
-        "tracker" => Some(Topic::Tracks),
-        _ => None,
+    /// Results published on a topic, as the last one received of each session says.
+    fn published(&self, topic: Topic) -> u64 {
+        self.published[topic as usize].values().sum()
     }
 }
 
-impl Stage {
+impl StageIntake {
     fn take(&mut self, session: u64, lineage: &Lineage) {
         if lineage.session != 0 {
             let taken = self.taken.entry(session).or_default();
@@ -128,7 +129,7 @@ mod tests {
 
     #[test]
     fn books_balance_with_the_losses_found_gap_by_gap() {
-        let (mut books, mut losses) = (Books::default(), Losses::new(0, 0));
+        let (mut books, mut losses) = (Books::default(), Losses::new(|_| 0));
         // A queue drops, the tracker dies with plots in its hands, the recorder misses results.
         let stream =
             [tracks(1, 2, 1, 0), tracks(1, 3, 2, 1), tracks(1, 9, 5, 4), tracks(2, 14, 1, 0), tracks(2, 20, 7, 6)];
@@ -136,7 +137,7 @@ mod tests {
             books.take(RecordedRef::Tracks(header, &[]));
             losses.take(RecordedRef::Tracks(header, &[]));
         }
-        let balance = books.balance(&losses, 0, 0);
+        let balance = books.balance(&losses, |_| 0);
         assert_eq!(balance.len(), 2, "{balance:?}");
         assert!(balance.iter().all(Book::balances), "{balance:?}");
         assert_eq!((balance[0].sent, balance[0].received), (21, 5 + 7));

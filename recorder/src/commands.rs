@@ -12,7 +12,7 @@ use common::process::{BadInput, EXIT_CHECK_BROKEN};
 use common::recording::container::Reader;
 use common::recording::{self, Messages, Recorded, RecordingError, parts_from};
 use common::report::Report;
-use common::services::Topic;
+use common::topic::Topic;
 use recorder::export::{ExportError, Format};
 use recorder::replay::recorded_config;
 use recorder::scoring::Scoring;
@@ -118,7 +118,7 @@ pub(crate) fn score(
             Recorded::Truth(header, targets) => scoring.truth(&header, &targets),
             Recorded::Tracks(header, tracks) => scoring.tracks(&header, &tracks),
             Recorded::Plots(header, plots) => scoring.plots(&header, &plots),
-            Recorded::Dwells(..) | Recorded::Health(..) => {}
+            Recorded::Dwells(..) | Recorded::HealthReports(..) => {}
         }
     }
     let (detection, tracking) = scoring.finish();

@@ -5,9 +5,8 @@
 
 use std::collections::VecDeque;
 
-use common::message::{Lineage, Stamps};
 use common::recording::{Recorded, RecordingError, container};
-use common::services::{ALL_TOPICS, TOPICS, Topic};
+use common::topic::{TOPICS, Topic};
 
 /// The first difference, in words; `None` if there is none.
 ///
@@ -26,14 +25,14 @@ pub fn first_difference(
         for (message, of_first) in [(left, true), (right, false)] {
             let Some(message) = message else { continue };
             let topic = message.by_ref().topic();
-            if topic != Topic::Health
+            if topic.is_data()
                 && let Some(difference) = topics[topic as usize].add(comparable(message), of_first)
             {
                 return Ok(Some(format!("{}: {difference}", topic.name())));
             }
         }
     }
-    let unpaired = ALL_TOPICS.into_iter().find(|&topic| !topics[topic as usize].waiting.is_empty());
+    let unpaired = Topic::ALL.into_iter().find(|&topic| !topics[topic as usize].waiting.is_empty());
     Ok(unpaired.map(|topic| {
         let Pairing { of_first, compared, .. } = topics[topic as usize];
         let shorter = if of_first { "second" } else { "first" };
@@ -76,24 +75,11 @@ fn encoded(message: &Recorded) -> Vec<u8> {
 
 /// The message without what differs from run to run.
 fn comparable(mut message: Recorded) -> Recorded {
-    let anonymous = |lineage: Lineage| Lineage { session: 0, ..lineage };
-    match &mut message {
-        Recorded::Dwells(header, _) => (header.session, header.source_out_ns) = (0, 0),
-        Recorded::Plots(header, _) => {
-            (header.session, header.stamps) = (0, Stamps::default());
-            header.lineage = anonymous(header.lineage);
+    message.header_mut().make_comparable();
+    if let Recorded::Truth(_, targets) = &mut message {
+        for target in targets.iter_mut().filter(|target| target.snr_db.is_nan()) {
+            target.snr_db = f32::NAN; // not known is not known, whichever NaN says so
         }
-        Recorded::Tracks(header, _) => {
-            (header.session, header.stamps) = (0, Stamps::default());
-            header.lineage = anonymous(header.lineage);
-        }
-        Recorded::Truth(header, targets) => {
-            (header.session, header.source_out_ns) = (0, 0);
-            for target in targets.iter_mut().filter(|target| target.snr_db.is_nan()) {
-                target.snr_db = f32::NAN; // not known is not known, whichever NaN says so
-            }
-        }
-        Recorded::Health(..) => {}
     }
     message
 }

@@ -10,14 +10,15 @@ use common::latency_log::LatencyLog;
 use common::message::END_OF_SCAN;
 use common::recording::{Gap, RecordedRef};
 use common::report::{Report, SCHEMA};
-use common::services::Topic;
+use common::topic::Topic;
+use common::topology;
 use common::tracks::TracksHeader;
 use common::units::seconds_between;
 use serde::{Deserialize, Serialize};
 
 use crate::books::Books;
 use crate::latencies::Latencies;
-use crate::losses::{Losses, Missing, RECORDER};
+use crate::losses::{Losses, Missing};
 use crate::processes::Processes;
 use crate::scoring::Scoring;
 
@@ -79,10 +80,9 @@ impl Progress {
 impl Fold {
     /// Nothing seen yet of a run with `config`.
     pub fn new(config: &ChainConfig) -> Self {
-        let (first_dwell, first_sector) = first_positions(config);
         Self {
             config: config.clone(),
-            losses: Losses::new(first_dwell, first_sector),
+            losses: Losses::new(|topic| first_position(config, topic)),
             books: Books::default(),
             latencies: Latencies::new(&config.budget),
             processes: Processes::default(),
@@ -107,7 +107,7 @@ impl Fold {
                 self.progress.note(header);
             }
             RecordedRef::Truth(header, targets) => self.scoring.truth(header, targets),
-            RecordedRef::Health(_, reports) => reports.iter().for_each(|health| self.processes.take(health)),
+            RecordedRef::HealthReports(_, reports) => reports.iter().for_each(|health| self.processes.take(health)),
             RecordedRef::Dwells(..) => {}
         }
         gap
@@ -173,18 +173,20 @@ impl Fold {
 
     /// Whether every process upstream has said that it ended in order.
     pub fn all_ended(&self) -> bool {
-        self.processes.have_ended(&self.config.upstream_of_recorder())
+        {
+            let upstream = topology::stages(&self.config).into_iter().filter(|stage| !stage.is_of_chain());
+            self.processes.have_ended(upstream.map(|stage| stage.name))
+        }
     }
 
     /// The report of everything taken, and of what became of it in files.
     pub fn finish(mut self, files: Files) -> Report {
-        let (first_dwell, first_sector) = first_positions(&self.config);
         self.latencies.close_interval(Duration::ZERO);
         let (detection, tracking) = self.scoring.finish();
         let [wall_s, measured_s] = self.progress.lengths_s();
         let mut loss = self.losses.lost();
-        for topic in [Topic::Plots, Topic::Tracks] {
-            if let Some(lost) = loss.get_mut(topic.name()).and_then(|by| by.get_mut(RECORDER)) {
+        for topic in Topic::of_data() {
+            if let Some(lost) = loss.get_mut(topic.name()).and_then(|by| by.get_mut(topology::RECORDER)) {
                 *lost += self.books.tail(topic);
             }
         }
@@ -205,7 +207,8 @@ impl Fold {
             budget: self.latencies.budgets(),
             detection,
             tracking,
-            books: self.books.balance(&self.losses, first_dwell, first_sector),
+            books: self.books.balance(&self.losses, |topic| first_position(&self.config, topic)),
+            observers: self.processes.observers(),
             misses: self.latencies.misses(),
             soak: None,
             processes: self.processes.report(),
@@ -223,18 +226,21 @@ pub(crate) fn read_counts(text: &str) -> Option<(Losses, Books, Processes, Progr
     serde_json::from_str(text).ok()
 }
 
-/// Where the schedules of dwells and of sectors begin.
-fn first_positions(config: &ChainConfig) -> (u64, u64) {
-    let first_scan = u64::from(config.run.first_scan);
-    (first_scan * u64::from(config.radar.dwells_per_scan), first_scan * u64::from(config.sectors_per_scan()))
+/// Where the schedule of a topic begins; that of truth is not counted before its first message.
+fn first_position(config: &ChainConfig, topic: Topic) -> u64 {
+    let per_scan = match topic {
+        Topic::Dwells => config.radar.dwells_per_scan,
+        Topic::Plots | Topic::Tracks => config.sectors_per_scan(),
+        Topic::Truth | Topic::HealthReports => 0,
+    };
+    u64::from(config.run.first_scan) * u64::from(per_scan)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::health::Health;
+    use common::health::{Health, HealthHeader};
     use common::message::Stamps;
-    use common::services::HealthHeader;
 
     /// A scan a second; the tracker is started again in the middle.
     fn take(fold: &mut Fold, seconds: std::ops::Range<u64>) {
@@ -245,8 +251,8 @@ mod tests {
                 TracksHeader { seq: second, session, time_ns: now_ns, flags, stamps, ..TracksHeader::default() };
             fold.take(RecordedRef::Tracks(&header, &[]), 0);
             let mut health = Health { session, heartbeat_ns: now_ns, cpu_ns: 1_000_000_000, ..Health::default() };
-            health.set_process("tracker");
-            fold.take(RecordedRef::Health(&HealthHeader { session, seq: second }, &[health]), 0);
+            health.process = "tracker".into();
+            fold.take(RecordedRef::HealthReports(&HealthHeader { session, seq: second }, &[health]), 0);
         }
     }
 

@@ -6,7 +6,7 @@ use std::io::Read;
 
 use common::recording::container::{Blocks, Entry, Reader};
 use common::recording::{GapReason, RecordedRef, RecordingError};
-use common::services::{ALL_TOPICS, Topic};
+use common::topic::Topic;
 use common::units::{MIB, seconds_between};
 
 /// Messages of one topic.
@@ -97,8 +97,7 @@ impl Summary {
 
     /// From the first to the last measurement of any topic, s.
     fn span_s(&self) -> f64 {
-        let timed =
-            || self.topics.iter().filter(|&(&topic, _)| topic != Topic::Health).map(|(_, contents)| contents.time_ns);
+        let timed = || self.topics.iter().filter(|(topic, _)| topic.is_data()).map(|(_, contents)| contents.time_ns);
         let (first, last) = (timed().map(|(first, _)| first).min(), timed().map(|(_, last)| last).max());
         first.zip(last).map_or(0.0, |(first, last)| seconds_between(first, last))
     }
@@ -110,7 +109,7 @@ impl Summary {
             "topic", "messages", "elements", "per s", "first", "last", "span s", "sessions"
         );
         let span_s = self.span_s();
-        for topic in ALL_TOPICS {
+        for topic in Topic::ALL {
             let Some(contents) = self.topics.get(&topic) else { continue };
             let rate = if span_s > 0.0 { format!("{:.2}", contents.messages as f64 / span_s) } else { "-".to_string() };
             let _ = writeln!(

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! Both counts begin anew with a session, and positions at the start of the schedule, so that
-//! also what came before the first result is told. Positions never sent are known of plots, which the recorder gets
-//! itself; those of dwells, after the death of a source, count as lost by the extractor. Only where a stage and the recorder were away
+//! also what came before the first result is told. Positions never sent are known of topics that the recorder
+//! gets itself; those of dwells, after the death of a source, count as lost by the extractor. Only where a stage and the recorder were away
 //! together, what the stage took in its last moments counts as lost by the stage.
 //!
 //! The same counts tell what is missing before a message, live and in a recording, where it has to be
@@ -23,11 +23,10 @@ use common::health::{Health, Intake};
 use common::ipc::count_intake;
 use common::message::Lineage;
 use common::recording::{Gap, GapReason, RecordedRef};
-use common::services::{TOPIC_NAMES, TOPICS, Topic};
+use common::topic::{TOPICS, Topic};
+use common::topology::{RECORDER, maker};
 use serde::{Deserialize, Serialize};
 
-/// Name of the consumer that the recorder itself is.
-pub(crate) const RECORDER: &str = "recorder";
 /// What was received but could not be written.
 const RECORDING: &str = "recording";
 
@@ -35,10 +34,10 @@ const RECORDING: &str = "recording";
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Losses {
     streams: [Stream; TOPICS],
-    extractor: Lineages,
-    tracker: Lineages,
-    /// Positions of plots that nobody has sent: their dwells were lost, or who had them died.
-    plots_never_sent: u64,
+    /// By the topic of the results.
+    lineages: [Lineages; TOPICS],
+    /// Positions of results that nobody has sent: what they would have been made from was lost, or who had it died.
+    never_sent: [u64; TOPICS],
     /// Reports of each process: session and next position.
     health: BTreeMap<String, HealthStream>,
 }
@@ -92,16 +91,17 @@ pub(crate) struct Missing {
 }
 
 impl Losses {
-    /// Nothing seen yet of streams whose schedules begin at these positions.
-    pub(crate) fn new(first_dwell: u64, first_sector: u64) -> Self {
-        let lineages = |next_seq| Lineages { next_seq, ..Lineages::default() };
-        let stream = |first_seq| Stream { first_seq, joining: true, ..Stream::default() };
+    /// Nothing seen yet of streams whose schedules begin at the positions `first_seq`.
+    pub(crate) fn new(first_seq: impl Fn(Topic) -> u64) -> Self {
+        let stream = |topic| Stream { first_seq: first_seq(topic), joining: true, ..Stream::default() };
+        let lineages = |topic| {
+            let next_seq = maker(topic).map_or(0, |(_, upstream)| first_seq(upstream));
+            Lineages { next_seq, ..Lineages::default() }
+        };
         Self {
-            // In the order of `Topic`; truth and health are not counted before their first message.
-            streams: [stream(first_dwell), stream(first_sector), stream(first_sector), stream(0), stream(0)],
-            extractor: lineages(first_dwell),
-            tracker: lineages(first_sector),
-            plots_never_sent: 0,
+            streams: Topic::ALL.map(stream),
+            lineages: Topic::ALL.map(lineages),
+            never_sent: [0; TOPICS],
             health: BTreeMap::new(),
         }
     }
@@ -117,7 +117,7 @@ impl Losses {
         let topic = message.topic();
         let stream = &mut self.streams[topic as usize];
         stream.elements += message.len() as u64;
-        if let RecordedRef::Health(_, reports) = message {
+        if let RecordedRef::HealthReports(_, reports) = message {
             stream.intake.received += 1;
             return reports.first().map_or_else(Missing::default, |health| self.take_health(health));
         }
@@ -125,17 +125,14 @@ impl Losses {
         let (first, session) = (if known { stream.intake.last_seq + 1 } else { stream.first_seq }, stream.session);
         let lost_before = stream.intake.lost;
         let mut missing = count_intake(&mut stream.intake, &mut stream.session, message.session(), message.seq());
-        match message {
-            RecordedRef::Plots(header, _) => {
-                missing = self.extractor.take(header.session, &header.lineage);
-                let passed = header.seq.saturating_sub(first);
-                self.plots_never_sent += passed.saturating_sub(missing);
-            }
-            RecordedRef::Tracks(header, _) => missing = self.tracker.take(header.session, &header.lineage),
-            _ => {}
+        let lineage = message.lineage();
+        if let Some(lineage) = &lineage {
+            missing = self.lineages[topic as usize].take(message.session(), lineage);
+            let passed = message.seq().saturating_sub(first);
+            self.never_sent[topic as usize] += passed.saturating_sub(missing);
         }
         let Announced { count: announced, unwritten } = std::mem::take(&mut stream.announced);
-        let positions_alone = matches!(topic, Topic::Dwells | Topic::Truth);
+        let positions_alone = lineage.is_none();
         if positions_alone && !known {
             missing = announced; // nothing else tells what was before
         }
@@ -155,7 +152,7 @@ impl Losses {
 
     fn take_health(&mut self, health: &Health) -> Missing {
         let begin = HealthStream { session: health.session, next_seq: health.seq, ..HealthStream::default() };
-        let stream = self.health.entry(health.process().to_string()).or_insert(begin);
+        let stream = self.health.entry(health.process.to_string()).or_insert(begin);
         if stream.session != health.session {
             // What a process said before it has said anything here is not missed.
             *stream = HealthStream { announced: stream.announced, ..begin };
@@ -166,13 +163,13 @@ impl Losses {
         let announced = std::mem::take(&mut stream.announced);
         let count = missing.saturating_sub(announced);
         let last_seq = health.seq.saturating_sub(1);
-        let gap = Gap { topic: Topic::Health, session: health.session, first_seq, last_seq, count, reason };
+        let gap = Gap { topic: Topic::HealthReports, session: health.session, first_seq, last_seq, count, reason };
         Missing { gap: (count > 0).then_some(gap), excess: announced.saturating_sub(missing) }
     }
 
     /// Takes note of a recorded gap, which comes before the message that shows it.
     pub(crate) fn announce(&mut self, gap: &Gap) {
-        if gap.topic == Topic::Health {
+        if !gap.topic.is_data() {
             let stream = self.health.values_mut().find(|stream| stream.session == gap.session);
             if let Some(stream) = stream.filter(|stream| stream.next_seq <= gap.last_seq) {
                 stream.announced += gap.count;
@@ -207,8 +204,7 @@ impl Losses {
 
     /// Messages received, by name of the topic.
     pub(crate) fn messages(&self) -> BTreeMap<String, u64> {
-        let counts = TOPIC_NAMES.iter().zip(&self.streams);
-        counts.map(|(name, stream)| ((*name).to_string(), stream.received())).collect()
+        Topic::ALL.into_iter().map(|topic| (topic.name().to_string(), self.received(topic))).collect()
     }
 
     /// Whether a stage began a new session in the run.
@@ -222,23 +218,23 @@ impl Losses {
         let mut note = |topic: &str, consumer: &str, count: u64| {
             lost.entry(topic.to_string()).or_default().insert(consumer.to_string(), count);
         };
-        for (index, stream) in self.streams.iter().enumerate() {
-            if index != Topic::Health as usize && stream.intake.received > 0 {
-                note(TOPIC_NAMES[index], RECORDER, stream.intake.lost);
+        for topic in Topic::ALL {
+            let (name, stream) = (topic.name(), &self.streams[topic as usize]);
+            if topic.is_data() && stream.intake.received > 0 {
+                note(name, RECORDER, stream.intake.lost);
             }
             if stream.unwritten > 0 {
-                note(TOPIC_NAMES[index], RECORDING, stream.unwritten);
+                note(name, RECORDING, stream.unwritten);
             }
-        }
-        if self.extractor.has_upstream() {
-            note(Topic::Dwells.name(), "plot-extractor", self.extractor.lost_upstream);
-        }
-        if self.tracker.has_upstream() {
-            // Those that came after its last result are lost too.
-            let end = self.streams[Topic::Plots as usize].intake.last_seq + 1;
-            let after = end.saturating_sub(self.tracker.next_seq);
-            let missing = self.tracker.lost_upstream + after;
-            note(Topic::Plots.name(), "tracker", missing.saturating_sub(self.plots_never_sent));
+            let Some((stage, upstream)) = maker(topic) else { continue };
+            let lineages = &self.lineages[topic as usize];
+            if lineages.has_upstream() {
+                // Those that came after its last result are lost too.
+                let seen = &self.streams[upstream as usize].intake;
+                let end = if seen.received > 0 { seen.last_seq + 1 } else { 0 };
+                let missing = lineages.lost_upstream + end.saturating_sub(lineages.next_seq);
+                note(upstream.name(), stage.name, missing.saturating_sub(self.never_sent[upstream as usize]));
+            }
         }
         lost
     }
@@ -274,7 +270,7 @@ impl Lineages {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use common::services::HealthHeader;
+    use common::health::HealthHeader;
     use common::tracks::TracksHeader;
 
     /// A tracks message: session, position, plots taken in the session, tracks published before.
@@ -286,7 +282,7 @@ pub(crate) mod tests {
 
     /// Plots lost by the tracker, tracks lost by the recorder.
     fn lost(headers: &[TracksHeader]) -> (u64, u64) {
-        let mut losses = Losses::new(0, 0);
+        let mut losses = Losses::new(|_| 0);
         for header in headers {
             losses.take(RecordedRef::Tracks(header, &[]));
         }
@@ -321,7 +317,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_gap_says_what_lies_between_two_messages_and_why() {
-        let mut losses = Losses::new(0, 0);
+        let mut losses = Losses::new(|_| 0);
         let mut missing = |header: TracksHeader| losses.take(RecordedRef::Tracks(&header, &[])).gap;
         let gap = |session, first_seq, last_seq, count, reason| {
             Some(Gap { topic: Topic::Tracks, session, first_seq, last_seq, count, reason })
@@ -334,7 +330,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_recorded_gap_explains_what_is_missing_and_no_more() {
-        let mut losses = Losses::new(0, 0);
+        let mut losses = Losses::new(|_| 0);
         let first = losses.take(RecordedRef::Tracks(&tracks(1, 0, 1, 0), &[]));
         assert_eq!(first, Missing::default());
         let gap =
@@ -354,7 +350,7 @@ pub(crate) mod tests {
 
     #[test]
     fn counts_go_on_where_they_were_written_down() {
-        let mut losses = Losses::new(0, 0);
+        let mut losses = Losses::new(|_| 0);
         losses.take(RecordedRef::Tracks(&tracks(1, 0, 1, 0), &[]));
         losses.not_written(Topic::Tracks, 1);
         let text = serde_json::to_string(&losses).expect("JSON");
@@ -367,11 +363,11 @@ pub(crate) mod tests {
 
     #[test]
     fn health_is_counted_by_process_and_no_loss() {
-        let mut losses = Losses::new(0, 0);
+        let mut losses = Losses::new(|_| 0);
         let mut missing = |name: &str, session, seq| {
             let mut health = Health { session, seq, ..Health::default() };
-            health.set_process(name);
-            losses.take(RecordedRef::Health(&HealthHeader { session, seq }, &[health])).gap.map(|gap| gap.count)
+            health.process = name.into();
+            losses.take(RecordedRef::HealthReports(&HealthHeader { session, seq }, &[health])).gap.map(|gap| gap.count)
         };
         assert_eq!(missing("tracker", 1, 4), None);
         assert_eq!(missing("radar-sim", 2, 0), None);

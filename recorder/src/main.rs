@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use common::config::{ChainConfig, Speed};
 use common::process::StageArgs;
-use common::services::{ALL_TOPICS, Topic};
+use common::topic::Topic;
 use recorder::process;
 use recorder::replay::replay_config;
 use recorder::window::Window;
@@ -146,10 +146,8 @@ enum FormatArgument {
 }
 
 fn parse_topic(name: &str) -> Result<Topic, String> {
-    ALL_TOPICS
-        .into_iter()
-        .find(|topic| topic.name() == name)
-        .ok_or_else(|| "expected dwells, plots, tracks, truth or health".to_string())
+    let names = Topic::ALL.map(Topic::name).join(", ");
+    Topic::from_name(name).ok_or_else(|| format!("expected one of {names}"))
 }
 
 fn main() -> ExitCode {

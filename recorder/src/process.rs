@@ -1,4 +1,4 @@
-//! The process `recorder`: takes everything, writes it, and makes the report.
+//! The process `recorder`: takes everything of all sites, writes it, and makes the report.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -6,16 +6,19 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use common::config::ChainConfig;
-use common::ipc::{Flow, IpcError, Received, Station, Subscriber, Turn, attend};
-use common::latency_log::LatencyLog;
+use common::config::{ChainConfig, Sites};
+use common::health::Health;
+use common::ipc::{Flow, IpcError, Station, Subscriber, Turn, attend};
+use common::latency_log::{self, LatencyLog};
 use common::message::END_OF_STREAM;
 use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
 use common::recording::container::{Entry, Reader};
 use common::recording::{Gap, RecordedRef, RecordingError};
-use common::services::{ALL_TOPICS, Dwells, HealthReports, Message, Plots, Topic, Tracks, Truth};
+use common::report::Report;
 use common::time::monotonic_ns;
+use common::topic::{ForTopic, Message, Topic};
+use common::topology::{RECORDER, Stage};
 use tracing::{info, warn};
 
 use crate::fold::{Files, Fold};
@@ -23,121 +26,166 @@ use crate::recording::{LISTED_GAPS, Recording};
 use crate::report_place::ReportPlace;
 
 /// Name of the process.
-pub const NAME: &str = "recorder";
+pub const NAME: &str = RECORDER;
 /// Earlier parts up to this size together are read again by a recorder that was restarted.
 const READ_AGAIN_BYTES: u64 = 64 << 20;
-/// How long the last words of the other processes are waited for after the end of the stream.
-const LAST_WORDS: Duration = Duration::from_millis(500);
+/// How long the last health reports of the other processes are waited for after the end of the stream.
+const LAST_HEALTH: Duration = Duration::from_millis(500);
 
-/// Runs the process until the stream of tracks ends.
+/// Runs the process until the tracks of all sites have ended.
 ///
 /// # Errors
 /// Configuration, the recording's folder, or shared memory.
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
-    let chain = args.load()?;
+    let sites = args.load_sites()?;
+    let chain = sites.first();
     let session = new_session();
-    let refused = realtime::take(chain.realtime.of(NAME));
-    let station = Station::enter(NAME, &chain)?;
+    let refused = realtime::apply(chain.realtime.of(NAME));
+    let stations = stations(&sites)?;
     // Subscribed first: what arrives while an earlier part is read waits in the queues.
-    let inputs = Inputs::new(&station, &chain)?;
-    let mut recorder = Recorder::new(&chain, session)?;
-    let wakes = woken_by(&chain).into_iter().map(|topic| station.wake(topic)).collect::<Result<Vec<_>, _>>()?;
+    let inputs = stations.iter().zip(sites.all()).map(|(station, site)| Inputs::new(station, site));
+    let inputs = inputs.collect::<Result<Vec<_>, _>>()?;
+    let mut recorders = Vec::with_capacity(inputs.len());
+    for site in sites.all() {
+        let mut site = site.clone();
+        if sites.only().is_none() && !site.soak.log.is_empty() {
+            site.soak.log = latency_log::of_site(&site.soak.log, &site.site.name);
+        }
+        recorders.push(SiteRecorder::new(&site, session)?);
+    }
+    let place = ReportPlace::reserve(Path::new(&chain.recorder.report), &chain.ipc.prefix)?;
+    let mut wakes = Vec::new();
+    for (station, site) in stations.iter().zip(sites.all()) {
+        wakes.extend(woken_by(site).into_iter().map(|topic| station.wake(topic)).collect::<Result<Vec<_>, _>>()?);
+    }
     let wakes: Vec<_> = wakes.iter().collect();
-    let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
+    let mut reporters = Vec::with_capacity(inputs.len());
+    for (station, site) in stations.iter().zip(sites.all()) {
+        reporters.push(HealthReporter::new(station, site, session, refused)?);
+    }
 
-    attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
-        let all = inputs.take_all(&mut recorder)?;
-        recorder.keep_up();
-        recorder.fold.close_interval_if_due();
-        let flow = if all { recorder.flow(inputs.tracks.publishers()) } else { Flow::Again };
-        if flow == Flow::End || reporter.is_due() {
-            recorder.describe(&mut reporter.health);
-            reporter.health.ended = u32::from(flow == Flow::End);
-            reporter.publish()?;
+    attend(&wakes, &reporters[0].watchdog(), || -> anyhow::Result<Flow> {
+        let mut all = true;
+        for (input, recorder) in inputs.iter().zip(&mut recorders) {
+            all &= input.record_waiting(recorder)?;
+            recorder.keep_up();
+            recorder.fold.close_interval_if_due();
+        }
+        let has_ended = |(recorder, input): (&mut SiteRecorder, &Inputs)| recorder.has_ended(input);
+        let ended = recorders.iter_mut().zip(&inputs).map(has_ended).filter(|&ended| ended).count();
+        let flow = match all {
+            true if ended == recorders.len() => Flow::End,
+            true => Flow::Wait,
+            false => Flow::Again,
+        };
+        for (reporter, recorder) in reporters.iter_mut().zip(&recorders) {
+            if flow == Flow::End || reporter.is_due() {
+                recorder.describe(&mut reporter.health);
+                reporter.health.ended = u32::from(flow == Flow::End);
+                reporter.publish()?;
+            }
         }
         Ok(flow)
     })?;
-    inputs.take_all(&mut recorder)?; // its own last health
-    recorder.finish()
+    for (input, recorder) in inputs.iter().zip(&mut recorders) {
+        input.record_waiting(recorder)?; // its own last health
+    }
+    let mut reports = Vec::with_capacity(recorders.len());
+    let mut failed = false;
+    for recorder in recorders {
+        let (report, has_failed) = recorder.finish();
+        failed |= has_failed;
+        reports.push(report);
+    }
+    place.write(reports, &sites)?;
+    Ok(if failed { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })
 }
 
-/// The topics whose messages wake the recorder. Tracks follow all plots, so where a tracker runs the recorder takes both
-/// with them: woken by plots it would be in the tracker's way for a processor, and cost the extractor a call of the system.
-fn woken_by(chain: &ChainConfig) -> Vec<Topic> {
+/// The recorder's place at each site.
+fn stations(sites: &Sites) -> Result<Vec<Station>, IpcError> {
+    let first = Station::enter(NAME, sites.first())?;
+    let others: Vec<Station> = sites.all()[1..].iter().map(|site| first.at(site)).collect();
+    Ok(std::iter::once(first).chain(others).collect())
+}
+
+/// The topics of a site whose messages wake the recorder. Tracks follow all plots, so where a tracker runs the recorder takes
+/// both with them: woken by plots it would compete with the tracker for a processor, and cost the extractor a system call.
+fn woken_by(site: &ChainConfig) -> Vec<Topic> {
     let mut topics = vec![Topic::Tracks];
-    topics.extend((!chain.upstream_of_recorder().contains(&"tracker")).then_some(Topic::Plots));
-    topics.extend(chain.recorder.dwells.then_some(Topic::Dwells));
+    topics.extend((!site.runs("tracker")).then_some(Topic::Plots));
+    topics.extend(site.recorder.dwells.then_some(Topic::Dwells));
     topics
 }
 
-/// All topics of the site.
-struct Inputs {
-    dwells: Option<Subscriber<Dwells>>,
-    plots: Subscriber<Plots>,
-    tracks: Subscriber<Tracks>,
-    truth: Subscriber<Truth>,
-    health: Subscriber<HealthReports>,
+/// What the recorder reads of a site, in the order of the table of stages: causes before effects.
+struct Inputs(Vec<Box<dyn Input>>);
+
+/// One topic of a site.
+trait Input {
+    /// Records messages that wait, for a turn; whether that was all.
+    fn record_waiting(&self, recorder: &mut SiteRecorder) -> Result<bool, IpcError>;
+
+    /// Publishers of its messages, if it is `topic`.
+    fn publishers(&self, topic: Topic) -> usize;
+}
+
+impl<M: Message> Input for Subscriber<M> {
+    fn record_waiting(&self, recorder: &mut SiteRecorder) -> Result<bool, IpcError> {
+        let turn = Turn::begin();
+        while !turn.is_over() {
+            let Some(message) = self.receive()? else { return Ok(true) };
+            recorder.record(M::borrowed(message.header(), message.elements()));
+        }
+        Ok(false)
+    }
+
+    fn publishers(&self, topic: Topic) -> usize {
+        if M::TOPIC == topic { Subscriber::publishers(self) } else { 0 }
+    }
 }
 
 impl Inputs {
-    fn new(station: &Station, chain: &ChainConfig) -> Result<Self, IpcError> {
-        Ok(Self {
-            dwells: chain.recorder.dwells.then(|| station.subscriber()).transpose()?,
-            plots: station.subscriber()?,
-            tracks: station.subscriber()?,
-            truth: station.subscriber()?,
-            health: station.subscriber()?,
-        })
+    fn new(station: &Station, site: &ChainConfig) -> Result<Self, IpcError> {
+        struct Open<'a>(&'a Station);
+        impl ForTopic for Open<'_> {
+            type Out = Result<Box<dyn Input>, IpcError>;
+
+            fn call<M: Message>(self) -> Self::Out {
+                Ok(Box::new(self.0.subscriber::<M>()?))
+            }
+        }
+        let topics = Stage::from_name(NAME).into_iter().flat_map(|stage| stage.inputs.iter().map(|input| input.topic));
+        let recorded = topics.filter(|topic| !topic.is_bulk() || site.recorder.dwells);
+        Ok(Self(recorded.map(|topic| topic.apply(Open(station))).collect::<Result<_, _>>()?))
     }
 
-    /// Takes what waits, causes before effects; whether that was all.
-    fn take_all(&self, recorder: &mut Recorder) -> Result<bool, IpcError> {
-        let mut all = take(&self.truth, |message| {
-            recorder.take(RecordedRef::Truth(message.header(), message.elements()));
-        })?;
-        if let Some(dwells) = &self.dwells {
-            all &= take(dwells, |message| {
-                recorder.take(RecordedRef::Dwells(message.header(), message.elements()));
-            })?;
+    fn record_waiting(&self, recorder: &mut SiteRecorder) -> Result<bool, IpcError> {
+        let mut all = true;
+        for input in &self.0 {
+            all &= input.record_waiting(recorder)?;
         }
-        all &= take(&self.plots, |message| {
-            recorder.take(RecordedRef::Plots(message.header(), message.elements()));
-        })?;
-        all &= take(&self.tracks, |message| {
-            recorder.ended |= message.header().has(END_OF_STREAM);
-            recorder.take(RecordedRef::Tracks(message.header(), message.elements()));
-        })?;
-        all &= take(&self.health, |message| {
-            recorder.take(RecordedRef::Health(message.header(), message.elements()));
-        })?;
         Ok(all)
     }
-}
 
-/// Takes the messages of one topic for a turn; whether that was all.
-fn take<M: Message>(topic: &Subscriber<M>, mut note: impl FnMut(&Received<M>)) -> Result<bool, IpcError> {
-    let turn = Turn::begin();
-    while !turn.is_over() {
-        let Some(message) = topic.receive()? else { return Ok(true) };
-        note(&message);
+    /// Processes that publish tracks.
+    fn trackers(&self) -> usize {
+        self.0.iter().map(|input| input.publishers(Topic::Tracks)).sum()
     }
-    Ok(false)
 }
 
-/// The run as far as it is recorded.
-struct Recorder {
+/// The run of one site as far as it is recorded.
+struct SiteRecorder {
     fold: Fold,
     /// None if no recording is wanted.
     recording: Option<Recording>,
     /// Gaps of a run that is not recorded.
     gaps: Vec<Gap>,
-    place: ReportPlace,
     /// The tracker has published its last message.
     ended: bool,
     ended_at: Option<Instant>,
 }
 
-impl Recorder {
+impl SiteRecorder {
     /// Begins a file of the run. If the run has earlier files, its report covers them too.
     fn new(chain: &ChainConfig, session: u64) -> anyhow::Result<Self> {
         let id = if chain.run.id.is_empty() { (session / 1_000_000_000).to_string() } else { chain.run.id.clone() };
@@ -160,12 +208,12 @@ impl Recorder {
             let refuse = |error| BadInput(format!("log of latencies {}: {error}", chain.soak.log));
             fold.log_latencies(opened.map_err(refuse)?);
         }
-        let place = ReportPlace::reserve(Path::new(&chain.recorder.report), &chain.ipc.prefix)?;
-        Ok(Self { fold, recording, gaps: Vec::new(), place, ended: false, ended_at: None })
+        Ok(Self { fold, recording, gaps: Vec::new(), ended: false, ended_at: None })
     }
 
-    fn take(&mut self, message: RecordedRef<'_>) {
+    fn record(&mut self, message: RecordedRef<'_>) {
         let recorded_ns = monotonic_ns();
+        self.ended |= message.topic() == Topic::Tracks && message.place().flags & END_OF_STREAM != 0;
         self.keep_up(); // before the message is counted
         let gap = self.fold.take(message, recorded_ns);
         let Some(recording) = &mut self.recording else {
@@ -192,27 +240,26 @@ impl Recorder {
         }
     }
 
-    /// The recorder ends when the tracker has, and everybody has had time for the last words;
-    /// asked to stop, it waits only as long as somebody publishes tracks.
-    fn flow(&mut self, publishers: usize) -> Flow {
+    /// Whether the site has ended: its tracker has, and every process has had time for its last health report; when
+    /// asked to stop, whether nobody publishes tracks any more.
+    fn has_ended(&mut self, inputs: &Inputs) -> bool {
         if self.ended {
             let ended_at = *self.ended_at.get_or_insert_with(Instant::now);
-            let all_said = self.fold.all_ended() || ended_at.elapsed() > LAST_WORDS;
-            return if all_said { Flow::End } else { Flow::Wait };
+            return self.fold.all_ended() || ended_at.elapsed() > LAST_HEALTH;
         }
-        if stop_requested() && publishers == 0 { Flow::End } else { Flow::Wait }
+        stop_requested() && inputs.trackers() == 0
     }
 
-    fn describe(&self, health: &mut common::health::Health) {
+    fn describe(&self, health: &mut Health) {
         health.scan = self.fold.scans() as u32;
-        for topic in ALL_TOPICS {
-            health.intake[topic as usize] = self.fold.intake(topic);
+        for topic in Topic::ALL {
+            health.set_intake(topic, self.fold.intake(topic));
         }
         health.latency = self.fold.latency_summaries();
     }
 
-    /// Closes the recording and writes the report.
-    fn finish(mut self) -> anyhow::Result<ExitCode> {
+    /// Closes the recording; the report, and whether something could not be written.
+    fn finish(mut self) -> (Report, bool) {
         let (mut files, mut failed) = (Files { gaps: self.gaps, ..Files::default() }, false);
         if let Some(mut recording) = self.recording {
             files = recording.finish(|| self.fold.counts());
@@ -221,8 +268,7 @@ impl Recorder {
             }
             failed = recording.has_failed();
         }
-        self.place.write(&self.fold.finish(files))?;
-        Ok(if failed { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })
+        (self.fold.finish(files), failed)
     }
 }
 

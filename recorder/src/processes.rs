@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use common::health::{Health, REJECT_NAMES, REJECTS, Wish};
+use common::health::{Health, RealtimeSetting};
 use common::report::ProcessUse;
+use common::topology::Stage;
 use common::units::{MIB, NS_PER_S};
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +14,9 @@ pub(crate) struct Processes {
     by_name: BTreeMap<String, Lives>,
 }
 
+/// Messages lost, by topic and observer.
+pub(crate) type Observers = BTreeMap<String, BTreeMap<String, u64>>;
+
 /// All starts of one process. Counts of ended lives are kept apart from those of the present
 /// one, whose reports repeat them.
 #[derive(Debug, Serialize, Deserialize)]
@@ -20,7 +24,9 @@ struct Lives {
     now: Health,
     restarts: u64,
     cpu_ns_before: u64,
-    rejected_before: [u64; REJECTS],
+    rejected_before: BTreeMap<String, u64>,
+    /// What observers have lost, by topic and observer.
+    observers_before: Observers,
     silences_before: u64,
     slow_steps_before: u64,
     rss_first: u64,
@@ -29,11 +35,12 @@ struct Lives {
 
 impl Processes {
     pub(crate) fn take(&mut self, health: &Health) {
-        let lives = self.by_name.entry(health.process().to_string()).or_insert_with(|| Lives {
+        let lives = self.by_name.entry(health.process.to_string()).or_insert_with(|| Lives {
             now: *health,
             restarts: 0,
             cpu_ns_before: 0,
-            rejected_before: [0; REJECTS],
+            rejected_before: BTreeMap::new(),
+            observers_before: Observers::new(),
             silences_before: 0,
             slow_steps_before: 0,
             rss_first: health.rss_bytes,
@@ -46,7 +53,8 @@ impl Processes {
             }
             lives.restarts += 1;
             lives.cpu_ns_before += lives.now.cpu_ns;
-            add(&mut lives.rejected_before, &lives.now.rejected);
+            add_rejected(&mut lives.rejected_before, &lives.now);
+            add_observers(&mut lives.observers_before, &lives.now);
             lives.silences_before += u64::from(lives.now.silences);
             lives.slow_steps_before += u64::from(lives.now.slow_steps);
         }
@@ -55,8 +63,8 @@ impl Processes {
     }
 
     /// Whether all of these processes have said that they ended in order.
-    pub(crate) fn have_ended(&self, names: &[&str]) -> bool {
-        names.iter().all(|&name| self.by_name.get(name).is_some_and(|lives| lives.now.ended == 1))
+    pub(crate) fn have_ended(&self, mut names: impl Iterator<Item = &'static str>) -> bool {
+        names.all(|name| self.by_name.get(name).is_some_and(|lives| lives.now.ended == 1))
     }
 
     /// Whether any process began anew.
@@ -64,12 +72,32 @@ impl Processes {
         self.by_name.values().any(|lives| lives.restarts > 0)
     }
 
+    /// Messages that observers have lost, by topic and observer: what publishers have counted, and what observers that
+    /// publish their health say where a publisher does not know, as in real-time mode.
+    pub(crate) fn observers(&self) -> Observers {
+        let mut observers = Observers::new();
+        for lives in self.by_name.values() {
+            add_observers(&mut observers, &lives.now);
+            for (topic, by_observer) in &lives.observers_before {
+                for (observer, lost) in by_observer {
+                    *observers.entry(topic.clone()).or_default().entry(observer.clone()).or_default() += lost;
+                }
+            }
+        }
+        for (name, lives) in self.by_name.iter().filter(|(name, _)| Stage::from_name(name).is_none()) {
+            for (topic, intake) in lives.now.inputs().filter(|(_, intake)| intake.lost > 0) {
+                let lost = observers.entry(topic.to_string()).or_default().entry(name.clone()).or_default();
+                *lost = intake.lost.max(*lost);
+            }
+        }
+        observers
+    }
+
     pub(crate) fn report(&self) -> BTreeMap<String, ProcessUse> {
         let mib = |bytes: u64| bytes as f64 / MIB;
         let used = |lives: &Lives| {
-            let mut rejected = lives.rejected_before;
-            add(&mut rejected, &lives.now.rejected);
-            let named = REJECT_NAMES.iter().zip(rejected).filter(|&(_, count)| count > 0);
+            let mut rejected = lives.rejected_before.clone();
+            add_rejected(&mut rejected, &lives.now);
             ProcessUse {
                 pid: lives.now.pid,
                 cpu_s: (lives.cpu_ns_before + lives.now.cpu_ns) as f64 / NS_PER_S,
@@ -77,26 +105,33 @@ impl Processes {
                 rss_mib_end: mib(lives.now.rss_bytes),
                 rss_mib_max: mib(lives.rss_max),
                 restarts: lives.restarts,
-                rejected: named.map(|(name, count)| ((*name).to_string(), count)).collect(),
+                rejected,
                 files: lives.now.files,
                 silences: lives.silences_before + u64::from(lives.now.silences),
                 slow_steps: lives.slow_steps_before + u64::from(lives.now.slow_steps),
-                refused: Wish::names(lives.now.refused).into_iter().map(String::from).collect(),
+                refused: RealtimeSetting::names(lives.now.refused).into_iter().map(String::from).collect(),
             }
         };
         self.by_name.iter().map(|(name, lives)| (name.clone(), used(lives))).collect()
     }
 }
 
-fn add(sums: &mut [u64; REJECTS], more: &[u64; REJECTS]) {
-    for (sum, count) in sums.iter_mut().zip(more) {
-        *sum += count;
+fn add_rejected(sums: &mut BTreeMap<String, u64>, health: &Health) {
+    for (reason, count) in health.rejected() {
+        *sums.entry(reason.to_string()).or_default() += count;
+    }
+}
+
+fn add_observers(sums: &mut Observers, health: &Health) {
+    for of in health.observers() {
+        *sums.entry(of.topic.to_string()).or_default().entry(of.observer.to_string()).or_default() += of.lost;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::health::{Reject, Rejected};
 
     #[test]
     fn counts_of_all_lives_add_up() {
@@ -104,8 +139,10 @@ mod tests {
         let mut report = |heartbeat_ns, session, cpu_s: u64, rss_mib: u64, late| {
             let (cpu_ns, rss_bytes) = (cpu_s * 1_000_000_000, rss_mib << 20);
             let mut health = Health { heartbeat_ns, session, cpu_ns, rss_bytes, ..Health::default() };
-            health.set_process("tracker");
-            health.rejected[4] = late;
+            health.process = "tracker".into();
+            let mut rejected = Rejected::default();
+            rejected.count_many(Reject::Late, late);
+            health.set_rejected(&rejected);
             processes.take(&health);
         };
         // The wall clock, and with it the session, has been set back between the lives.

@@ -12,7 +12,8 @@ use common::config::{self, ChainConfig, Mode, RecorderConfig, ReplayConfig, RunC
 use common::message::{END_OF_STREAM, Lineage};
 use common::recording::container::Reader;
 use common::recording::{self, Messages, Recorded, RecordingError, parts_from};
-use common::services::Topic;
+use common::topic::Topic;
+use common::topology::driving;
 
 /// The recorded messages to publish, parts of a run after each other.
 pub struct Playback {
@@ -43,7 +44,7 @@ impl Playback {
             messages: None,
             topics: config.replay.topics.clone(),
             scans: (config.run.first_scan, last),
-            driving: config.replay.driving(),
+            driving: driving(config),
             passed: false,
             ready: VecDeque::new(),
         })
@@ -114,13 +115,7 @@ impl std::fmt::Debug for Playback {
 
 /// Scan of a message; health has none.
 fn scan(message: &Recorded) -> Option<u32> {
-    match message {
-        Recorded::Dwells(header, _) => Some(header.scan),
-        Recorded::Plots(header, _) => Some(header.scan),
-        Recorded::Tracks(header, _) => Some(header.scan),
-        Recorded::Truth(header, _) => Some(header.scan),
-        Recorded::Health(..) => None,
-    }
+    message.by_ref().place().scan
 }
 
 fn mark_end(message: &mut Recorded, last: bool) {
@@ -128,7 +123,7 @@ fn mark_end(message: &mut Recorded, last: bool) {
         Recorded::Dwells(header, _) => &mut header.flags,
         Recorded::Plots(header, _) => &mut header.flags,
         Recorded::Tracks(header, _) => &mut header.flags,
-        Recorded::Truth(..) | Recorded::Health(..) => return,
+        Recorded::Truth(..) | Recorded::HealthReports(..) => return,
     };
     *flags = *flags & !END_OF_STREAM | if last { END_OF_STREAM } else { 0 };
 }

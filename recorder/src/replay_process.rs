@@ -10,10 +10,9 @@ use common::pace::Pace;
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
 use common::recording::Recorded;
-use common::services::{
-    Consumer, Dwells, MAX_CELLS, MAX_PLOTS, MAX_TARGETS, MAX_TRACKS, Message, Plots, Tracks, Truth,
-};
 use common::time::monotonic_ns;
+use common::topic::{Dwells, Message, Plots, Tracks, Truth};
+use common::topology::driving;
 
 use crate::replay::{Playback, lineage_again};
 
@@ -34,7 +33,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
 /// Recording or shared memory.
 pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     let mut playback = Playback::open(chain).map_err(|error| BadInput(error.to_string()))?;
-    let refused = realtime::take(chain.realtime.of(NAME));
+    let refused = realtime::apply(chain.realtime.of(NAME));
     let station = Station::enter(NAME, chain)?;
     let ports = Ports::new(&station, chain)?;
     let session = new_session();
@@ -44,7 +43,7 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
 
     let mut pace = Pace::new(chain.run.speed);
     let (mut plots_out, mut tracks_out, mut dwells_taken, mut plots_taken) = (0, 0, 0, 0);
-    let driving = chain.replay.driving();
+    let driving = driving(chain);
     for message in playback.by_ref() {
         let mut message = message.map_err(|error| BadInput(format!("{}: {error}", chain.replay.file)))?;
         let (drives, length) = (message.by_ref().topic() == driving, message.by_ref().len());
@@ -80,7 +79,7 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
                 ports.truth.send(header, targets, |header| header.source_out_ns = monotonic_ns())?;
                 continue;
             }
-            Recorded::Health(..) => continue,
+            Recorded::HealthReports(..) => continue,
         };
         let health = &mut reporter.health;
         health.scan = scan;
@@ -108,9 +107,9 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
 struct Port<M: Message>(Option<Publisher<M>>);
 
 impl<M: Message> Port<M> {
-    fn new(station: &Station, chain: &ChainConfig, most: usize, consumers: &[Consumer]) -> anyhow::Result<Self> {
+    fn new(station: &Station, chain: &ChainConfig, most: usize) -> anyhow::Result<Self> {
         let wanted = chain.replay.topics.contains(&M::TOPIC);
-        Ok(Self(wanted.then(|| station.publisher(most, consumers)).transpose()?))
+        Ok(Self(wanted.then(|| station.publisher(most)).transpose()?))
     }
 
     fn send(
@@ -137,19 +136,12 @@ struct Ports {
 
 impl Ports {
     fn new(station: &Station, chain: &ChainConfig) -> anyhow::Result<Self> {
-        let upstream = chain.upstream_of_recorder();
-        let runs = |name: &str, consumer| upstream.contains(&name).then_some(consumer);
-        let with = |stage: Option<Consumer>, recorded: bool| -> Vec<Consumer> {
-            stage.into_iter().chain(recorded.then_some(Consumer::Recorder)).collect()
-        };
-        let extractor = runs("plot-extractor", Consumer::PlotExtractor);
-        let tracker = runs("tracker", Consumer::Tracker);
-        let cells = chain.radar.grid().cells().min(MAX_CELLS);
+        let cells = chain.radar.grid().cells().min(Dwells::MOST);
         Ok(Self {
-            dwells: Port::new(station, chain, cells, &with(extractor, chain.recorder.dwells))?,
-            plots: Port::new(station, chain, MAX_PLOTS, &with(tracker, true))?,
-            tracks: Port::new(station, chain, MAX_TRACKS, &with(None, true))?,
-            truth: Port::new(station, chain, MAX_TARGETS, &with(None, true))?,
+            dwells: Port::new(station, chain, cells)?,
+            plots: Port::new(station, chain, Plots::MOST)?,
+            tracks: Port::new(station, chain, Tracks::MOST)?,
+            truth: Port::new(station, chain, Truth::MOST)?,
         })
     }
 

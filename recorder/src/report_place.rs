@@ -6,8 +6,9 @@ use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use common::config::Sites;
 use common::process::BadInput;
-use common::report::Report;
+use common::report::{ChainReport, Report};
 use rustix::fs::{FallocateFlags, fallocate};
 
 /// Room for a report: more than the longest lists of misses and gaps need.
@@ -41,12 +42,12 @@ impl ReportPlace {
         Ok(Self { path: path.to_path_buf(), draft, file })
     }
 
-    /// Writes the report and renames it into place: whoever waits for it finds it complete.
+    /// Writes the report of all sites and renames it into place: whoever waits for it finds it complete.
     ///
     /// # Errors
     /// Writing fails.
-    pub(crate) fn write(mut self, report: &Report) -> anyhow::Result<()> {
-        let text = report.to_json();
+    pub(crate) fn write(mut self, reports: Vec<Report>, sites: &Sites) -> anyhow::Result<()> {
+        let text = ChainReport::new(reports, sites).to_json();
         let mut write = || {
             self.file.rewind()?;
             self.file.write_all(text.as_bytes())?;

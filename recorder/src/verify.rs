@@ -8,7 +8,7 @@ use std::io::Read;
 
 use common::recording::Gap;
 use common::recording::container::{Blocks, Description, End, Entry, Reader};
-use common::services::{TOPICS, Topic};
+use common::topic::{TOPICS, Topic};
 use common::units::{NS_PER_S, seconds_between};
 
 use crate::fold::read_counts;
@@ -66,7 +66,7 @@ impl Verification {
         let before = if follows { self.losses.take() } else { None };
         let (mut losses, known) = match before.or_else(from_counts) {
             Some(losses) => (losses, true),
-            None => (Losses::new(0, 0), false),
+            None => (Losses::new(|_| 0), false),
         };
         let _ = writeln!(self.text, "{name}");
         let (mut count, mut joined) = (Count::default(), [known; TOPICS]);
@@ -89,14 +89,14 @@ impl Verification {
                     }
                     let before = count.time_ns[topic as usize];
                     let (session, time_ns) = (message.session(), message.time_ns());
-                    if topic != Topic::Health && before.0 == session && time_ns < before.1 {
+                    if topic.is_data() && before.0 == session && time_ns < before.1 {
                         let back_s = seconds_between(time_ns, before.1);
                         self.find(&mut count, &format!("{} {seq}: time goes back by {back_s} s", topic.name()));
                     }
                     count.time_ns[topic as usize] = (session, time_ns);
                     count.messages += 1;
                     // Health has no measurement time: it was said about when the message before it was measured.
-                    let last_ns = if topic == Topic::Health { count.last.map_or(0, |(.., ns)| ns) } else { time_ns };
+                    let last_ns = if topic.is_data() { time_ns } else { count.last.map_or(0, |(.., ns)| ns) };
                     count.last = Some((topic, seq, last_ns));
                 }
                 Err(error) => self.find(&mut count, &error.to_string()),

@@ -64,7 +64,7 @@ impl Window {
     /// # Errors
     /// The recording cannot be read, or holds nothing of this time.
     pub fn narrow(&self, config: &mut ChainConfig) -> Result<(), BadInput> {
-        let driving = config.replay.driving();
+        let driving = common::topology::driving(config);
         let mut playback = Playback::open(config).map_err(|error| BadInput(error.to_string()))?;
         let (mut start_ns, mut first, mut last) = (None, None, None);
         while let Some(message) =
@@ -106,7 +106,7 @@ fn place(message: &Recorded) -> Option<(u32, u32)> {
         Recorded::Dwells(header, _) => Some((header.scan, header.dwell)),
         Recorded::Plots(header, _) => Some((header.scan, header.sector)),
         Recorded::Tracks(header, _) => Some((header.scan, header.sector)),
-        Recorded::Truth(..) | Recorded::Health(..) => None,
+        Recorded::Truth(..) | Recorded::HealthReports(..) => None,
     }
 }
 

@@ -2,12 +2,12 @@
 
 use std::io::Cursor;
 
-use common::health::Health;
+use common::health::{Health, HealthHeader};
 use common::message::Lineage;
 use common::plots::{Plot, PlotsHeader};
 use common::recording::container::{Block, Blocks, Description, Reader, Writer};
 use common::recording::{Gap, GapReason, Recorded, RecordingError};
-use common::services::{HealthHeader, Topic};
+use common::topic::Topic;
 use common::tracks::{Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget};
 use recorder::verify::Verification;
@@ -142,8 +142,8 @@ fn mixed(scans: u64) -> (Vec<Recorded>, Vec<u8>) {
             let header = TruthHeader { seq: seq / 4, session: 1, time_ns, ..TruthHeader::default() };
             messages.push(Recorded::Truth(header, vec![TruthTarget { time_ns, ..TruthTarget::default() }]));
             let mut health = Health { session: 3, seq: seq / 4, ..Health::default() };
-            health.set_process("tracker");
-            messages.push(Recorded::Health(HealthHeader { session: 3, seq: seq / 4 }, vec![health]));
+            health.process = "tracker".into();
+            messages.push(Recorded::HealthReports(HealthHeader { session: 3, seq: seq / 4 }, vec![health]));
         }
     }
     let mut file = Cursor::new(Vec::new());

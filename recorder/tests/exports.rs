@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
 
-use common::health::Health;
+use common::health::{Health, HealthHeader};
 use common::plots::{HAS_ELEVATION, HAS_STATISTIC, Plot, PlotsHeader};
 use common::recording::container::Description;
 use common::recording::{Recorded, RecordingError, jsonl};
-use common::services::{HealthHeader, Topic};
+use common::topic::Topic;
 use common::tracks::{Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget};
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -16,7 +16,7 @@ use parquet::record::Field;
 use recorder::export::{Format, export};
 use serde_json::Value;
 
-const TOPICS: [Topic; 4] = [Topic::Plots, Topic::Tracks, Topic::Truth, Topic::Health];
+const TOPICS: [Topic; 4] = [Topic::Plots, Topic::Tracks, Topic::Truth, Topic::HealthReports];
 const EPOCH_NS: u64 = 1_700_000_000_000_000_000;
 
 /// Messages of every topic; some values are not known. More plots than fit into a row group of Parquet.
@@ -42,8 +42,8 @@ fn messages() -> Vec<Recorded> {
             let target = |snr_db| TruthTarget { time_ns, target_id: 7, snr_db, ..TruthTarget::default() };
             messages.push(Recorded::Truth(header, vec![target(13.5), target(f32::NAN)]));
             let mut health = Health { heartbeat_ns: seq, ..Health::default() };
-            health.set_process("tracker, null");
-            messages.push(Recorded::Health(HealthHeader { seq, ..HealthHeader::default() }, vec![health]));
+            health.process = "tracker, null".into();
+            messages.push(Recorded::HealthReports(HealthHeader { seq, ..HealthHeader::default() }, vec![health]));
         }
     }
     messages
@@ -115,7 +115,7 @@ fn mcap_with_json_has_a_schema_per_topic_and_every_message() {
         assert_eq!(body["elements"].as_array().map(Vec::len), Some(recorded.len()));
         assert_eq!(body["header"]["seq"], recorded.seq());
 
-        time_ns = if recorded.topic() == Topic::Health { time_ns } else { recorded.time_ns() };
+        time_ns = if recorded.topic() == Topic::HealthReports { time_ns } else { recorded.time_ns() };
         assert_eq!((message.log_time, u64::from(message.sequence)), (time_ns, recorded.seq()));
         // The same as the JSON line, but for what is not known.
         let mut line = Vec::new();

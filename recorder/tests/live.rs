@@ -11,8 +11,8 @@ use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, Stamps};
 use common::plots::{Plot, PlotsHeader};
 use common::recording::Recorded;
 use common::report::Report;
-use common::services::{Consumer, MAX_PLOTS, MAX_TARGETS, MAX_TRACKS, Plots, Topic, Tracks, Truth};
 use common::time::monotonic_ns;
+use common::topic::{Message, Plots, Topic, Tracks, Truth};
 use common::tracks::{CONFIRMED, Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget, VISIBLE};
 
@@ -48,6 +48,9 @@ impl Chain {
             format!("recorder.report={}", path("report.json")),
             "run.id=test".to_string(),
             format!("radar.sectors_per_scan={SECTORS}"),
+            // The rest of the chain is this test: no stage but the recorder reads what it publishes.
+            "run.source=replay".to_string(),
+            "replay.topics=[\"plots\", \"tracks\", \"truth\"]".to_string(),
         ];
         let config = config::load(None, &settings).expect("a valid configuration");
         let station = Station::enter("test", &config).expect("a domain");
@@ -89,9 +92,9 @@ struct Stages {
 impl Stages {
     fn new(station: &Station) -> Self {
         let stages = Self {
-            plots: station.publisher(MAX_PLOTS, &[Consumer::Recorder]).expect("a publisher"),
-            tracks: station.publisher(MAX_TRACKS, &[Consumer::Recorder]).expect("a publisher"),
-            truth: station.publisher(MAX_TARGETS, &[Consumer::Recorder]).expect("a publisher"),
+            plots: station.publisher(Plots::MOST).expect("a publisher"),
+            tracks: station.publisher(Tracks::MOST).expect("a publisher"),
+            truth: station.publisher(Truth::MOST).expect("a publisher"),
         };
         stages.tracks.wait_for_consumers().expect("the recorder comes");
         stages
@@ -282,7 +285,7 @@ fn a_part_of_a_recording_goes_out_again_and_nothing_before_it_counts_as_lost() {
     // What went out is what was recorded, but for stamps and the mark at the end.
     let of_window = |path: &Path| -> Vec<(Topic, u64, usize)> {
         let messages = common::recording::open(path).expect("a recording").map(|message| message.expect("a message"));
-        let described = messages.filter(|message| !matches!(message, Recorded::Health(..))).map(|message| {
+        let described = messages.filter(|message| !matches!(message, Recorded::HealthReports(..))).map(|message| {
             let message = message.by_ref();
             (message.topic(), message.time_ns(), message.len())
         });

@@ -9,9 +9,9 @@ use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, TRUNCATED};
 use common::plots::PlotsHeader;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
-use common::services::{Consumer, MAX_TRACKS, Plots, Topic, Tracks};
 use common::time::monotonic_ns;
-use common::tracks::{Track, TracksHeader};
+use common::topic::{Message, Plots, Topic, Tracks};
+use common::tracks::{MAX_TRACKS, Track, TracksHeader};
 
 use crate::{Taken, Tracker};
 
@@ -25,9 +25,9 @@ pub const NAME: &str = "tracker";
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut tracker = Tracker::new(&chain.tracker, chain.run.first_track)?;
-    let refused = realtime::take(chain.realtime.of(NAME));
+    let refused = realtime::apply(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
-    let publisher = station.publisher::<Tracks>(MAX_TRACKS, &[Consumer::Recorder])?;
+    let publisher = station.publisher::<Tracks>(Tracks::MOST)?;
     let wake = station.wake(Topic::Plots)?;
     let plots = station.subscriber::<Plots>()?;
     let session = new_session();
@@ -51,10 +51,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             });
             published.context("publishing tracks")?;
 
-            for (sum, count) in rejected.0.iter_mut().zip(taken.rejected.0) {
-                *sum += count;
-            }
-            rejected.0[Reject::Full as usize] += u64::from(header.left_out);
+            rejected.add(&taken.rejected);
+            rejected.count_many(Reject::Full, header.left_out.into());
             let health = &mut reporter.health;
             plots_of_scan += message.elements().len() as u32;
             if header.has(END_OF_SCAN) {
@@ -72,8 +70,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         }
         let ended = reporter.health.ended == 1;
         if ended || reporter.is_due() {
-            reporter.health.intake[Topic::Plots as usize] = plots.intake();
-            reporter.health.rejected = rejected.0;
+            reporter.health.set_intake(Topic::Plots, plots.intake());
+            reporter.health.set_rejected(&rejected);
             reporter.publish()?;
         }
         // Asked to stop, it still works off what is sent until the last plots.

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{ChainConfig, MotionConfig};
+use super::ChainConfig;
+use super::sites::{Sites, load_sites, parse_sites};
 
 /// Why a configuration cannot be used. Each is one line for the user, exit code 2.
 #[derive(Debug, thiserror::Error)]
@@ -51,28 +52,13 @@ pub enum ConfigError {
     },
 }
 
-/// Reads `path` (defaults alone without one), applies `overrides` of the form `table.key=value`, checks.
+/// Reads the configuration of one site from `path` (defaults alone without one), applies `overrides` of the form
+/// `table.key=value`, checks.
 ///
 /// # Errors
-/// [`ConfigError`], naming the file, key or value and what was expected.
+/// [`ConfigError`], naming the file, key or value and what was expected; the file is of several sites.
 pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
-    let text = match path {
-        Some(path) => {
-            std::fs::read_to_string(path).map_err(|cause| ConfigError::Read { path: path.to_path_buf(), cause })?
-        }
-        None => String::new(),
-    };
-    let mut config = parse(path.unwrap_or(Path::new("defaults")), &text, overrides)?;
-    if let Some(folder) = path.and_then(Path::parent) {
-        // A scenario and its flights are moved together; the stages read a copy elsewhere.
-        for target in &mut config.sim.targets {
-            if let MotionConfig::Csv { file, .. } = &mut target.motion {
-                let path = folder.join(&*file);
-                *file = std::path::absolute(&path).unwrap_or(path).display().to_string();
-            }
-        }
-    }
-    Ok(config)
+    only(&load_sites(path, overrides)?)
 }
 
 /// A configuration that there is already, with `overrides` applied and checked.
@@ -86,24 +72,24 @@ pub fn adjust(config: &ChainConfig, overrides: &[String]) -> Result<ChainConfig,
 /// As [`load`], from the text of a file; `path` is for messages.
 ///
 /// # Errors
-/// [`ConfigError`], naming the file, key or value and what was expected.
+/// As [`load`].
 pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
-    let mut table: toml::Table = toml::from_str(text).map_err(|error| ConfigError::Syntax {
-        path: path.to_path_buf(),
-        message: error.to_string().lines().collect::<Vec<_>>().join(" "),
-    })?;
-    let place = path.display().to_string();
-    read(&place, table.clone())?; // a mistake in the file is reported as one of the file
-    for argument in overrides {
-        apply(&mut table, argument)?;
-        read(&format!("--set {argument}"), table.clone())?;
-    }
-    let config = read(&place, table)?;
-    config.check()?;
-    Ok(config)
+    only(&parse_sites(path, text, overrides)?)
 }
 
-fn read(place: &str, table: toml::Table) -> Result<ChainConfig, ConfigError> {
+fn only(sites: &Sites) -> Result<ChainConfig, ConfigError> {
+    let count = sites.all().len();
+    require("site", format!("{count} sites"), count == 1, &format!("one of {} (--site)", sites.names().join(", ")))?;
+    Ok(sites.first().clone())
+}
+
+/// The text of a file; nothing without one.
+pub(super) fn read_text(path: Option<&Path>) -> Result<String, ConfigError> {
+    let Some(path) = path else { return Ok(String::new()) };
+    std::fs::read_to_string(path).map_err(|cause| ConfigError::Read { path: path.to_path_buf(), cause })
+}
+
+pub(super) fn read(place: &str, table: toml::Table) -> Result<ChainConfig, ConfigError> {
     serde_path_to_error::deserialize(toml::Value::Table(table)).map_err(|error| ConfigError::Key {
         place: place.to_string(),
         key: error.path().to_string(),
@@ -112,7 +98,7 @@ fn read(place: &str, table: toml::Table) -> Result<ChainConfig, ConfigError> {
 }
 
 /// Sets `table.key` to `value`, which is TOML, or text when it is not.
-fn apply(table: &mut toml::Table, argument: &str) -> Result<(), ConfigError> {
+pub(super) fn apply(table: &mut toml::Table, argument: &str) -> Result<(), ConfigError> {
     let malformed = || ConfigError::Override { argument: argument.to_string() };
     let (path, value) = argument.split_once('=').ok_or_else(malformed)?;
     let value = toml::from_str::<toml::Table>(&format!("value = {value}"))

@@ -18,6 +18,7 @@ mod replay;
 mod run;
 mod sim;
 mod site;
+mod sites;
 mod soak;
 mod supervision;
 mod tracker;
@@ -33,14 +34,15 @@ pub use recorder::{RecorderConfig, ScoringConfig};
 pub use replay::ReplayConfig;
 pub use run::{Mode, RunConfig, Source, Speed};
 pub use sim::{ClutterConfig, MotionConfig, SimConfig, Swerling, TargetConfig};
-pub use site::SiteConfig;
+pub use site::{Position, SiteConfig};
+pub use sites::{Sites, load_sites, parse_sites};
 pub use soak::{MetricsConfig, SoakConfig};
 pub use supervision::{SupervisionConfig, WatchdogConfig};
 pub use tracker::*;
 
 use serde::{Deserialize, Serialize};
 
-/// Everything that one chain needs to know.
+/// Everything that the chain of one site needs to know; [`Sites`] has one for each.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ChainConfig {
@@ -104,13 +106,9 @@ impl ChainConfig {
         toml::to_string(self).expect("a checked configuration can be written as TOML")
     }
 
-    /// Names of the processes upstream of the recorder.
-    pub fn upstream_of_recorder(&self) -> Vec<&'static str> {
-        match self.run.source {
-            Source::RadarSim => vec!["radar-sim", "plot-extractor", "tracker"],
-            Source::PlotSource => vec!["plot-source", "tracker"],
-            Source::Replay => self.replay.processes(),
-        }
+    /// Whether a stage of this name runs at the site.
+    pub fn runs(&self, stage: &str) -> bool {
+        crate::topology::stages(self).iter().any(|of| of.name == stage)
     }
 
     /// The source that the data is from: of a replay, that of the recorded run.
@@ -122,7 +120,7 @@ impl ChainConfig {
     pub fn scan_period_s(&self) -> f64 {
         match self.origin() {
             Source::RadarSim => self.radar.scan_period_s,
-            Source::PlotSource | Source::Replay => self.plot_source.scan_period_s,
+            Source::PlotSource | Source::External | Source::Replay => self.plot_source.scan_period_s,
         }
     }
 
@@ -130,7 +128,7 @@ impl ChainConfig {
     pub fn sectors_per_scan(&self) -> u32 {
         match self.origin() {
             Source::RadarSim => self.radar.sectors_per_scan,
-            Source::PlotSource | Source::Replay => self.plot_source.sectors_per_scan,
+            Source::PlotSource | Source::External | Source::Replay => self.plot_source.sectors_per_scan,
         }
     }
 }

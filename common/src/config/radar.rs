@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, not_negative, positive, require, within};
-use crate::services::MAX_CELLS;
+use crate::dwell::MAX_CELLS;
 
 /// A stacked-beam radar that turns: every dwell is one azimuth step with all elevation
 /// beams, Doppler and range cells. Defaults are \[L22\]'s cells: σ = δ/(2√3) gives 20 m, 0.1° and 10 m/s (C1).

@@ -22,11 +22,11 @@ pub enum WaitStrategy {
     /// It sleeps until an event wakes it.
     #[default]
     Sleep,
-    /// It looks all the time: some ten microseconds faster, and takes a whole processor.
+    /// It looks all the time: about ten microseconds faster, and takes a whole processor.
     Poll,
 }
 
-/// Wishes of one stage; what the system refuses is said once, and the stage goes on without.
+/// Settings of one stage; a setting that the system refuses is reported once, and the stage goes on without it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct StageRealtime {
@@ -54,7 +54,7 @@ impl Default for StageRealtime {
     }
 }
 
-/// Wishes of all stages.
+/// Settings of all stages.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RealtimeConfig {
@@ -69,7 +69,7 @@ pub struct RealtimeConfig {
 }
 
 impl RealtimeConfig {
-    /// The wishes of the process with this name.
+    /// The settings of the process with this name.
     pub fn of(&self, process: &str) -> &StageRealtime {
         match process {
             "plot-extractor" => &self.plot_extractor,

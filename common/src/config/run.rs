@@ -14,6 +14,8 @@ pub enum Source {
     PlotSource,
     /// A recording of this program.
     Replay,
+    /// A program of the user's that publishes plots.
+    External,
 }
 
 /// What a full queue does.

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use std::path::Path;
+
 use super::load::{ConfigError, not_negative, positive, require};
+use super::site::Position;
 
 /// How the amplitude of a target fluctuates from scan to scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -99,6 +102,9 @@ impl Default for ClutterConfig {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SimConfig {
+    /// Where the positions of the targets are counted from (WGS-84); the first site's antenna without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub origin: Option<Position>,
     /// Ground clutter.
     pub clutter: ClutterConfig,
     /// Targets, numbered from 1 in this order.
@@ -106,13 +112,24 @@ pub struct SimConfig {
 }
 
 impl SimConfig {
+    /// Looks for recorded flights in `folder`: a scenario and its flights are moved together, and stages read a copy elsewhere.
+    pub(super) fn find_flights(&mut self, folder: &Path) {
+        for target in &mut self.targets {
+            if let MotionConfig::Csv { file, .. } = &mut target.motion {
+                let path = folder.join(&*file);
+                *file = std::path::absolute(&path).unwrap_or(path).display().to_string();
+            }
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), ConfigError> {
+        self.origin.map_or(Ok(()), |origin| origin.check("sim.origin"))?;
         not_negative("sim.clutter.range_m", self.clutter.range_m)?;
         require("sim.clutter.cnr_db", self.clutter.cnr_db, self.clutter.cnr_db.is_finite(), "a finite number")?;
         let shape = self.clutter.shape;
         require("sim.clutter.shape", shape, (0.5..=4.0).contains(&shape), "a number from 0.5 to 4")?;
         let count = self.targets.len();
-        let limit = crate::services::MAX_TARGETS;
+        let limit = crate::truth::MAX_TARGETS;
         require("sim.targets", count, count <= limit, &format!("at most {limit} targets"))?;
         self.targets.iter().enumerate().try_for_each(|(index, target)| target.check(index))
     }

@@ -14,11 +14,39 @@ pub struct SiteConfig {
     pub sac: u8,
     /// System identification code.
     pub sic: u8,
+    /// Where the antenna stands (WGS-84).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<Position>,
+}
+
+/// A place on the earth (WGS-84).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Position {
+    /// North, degrees.
+    pub latitude_deg: f64,
+    /// East, degrees.
+    pub longitude_deg: f64,
+    /// Above the ellipsoid, m.
+    #[serde(default)]
+    pub height_m: f64,
+}
+
+impl Position {
+    pub(super) fn check(&self, key: &str) -> Result<(), ConfigError> {
+        let within = |name: &str, value: f64, most: f64| {
+            let key = format!("{key}.{name}");
+            require(&key, value, value.abs() <= most, &format!("a number from -{most} to {most}"))
+        };
+        within("latitude_deg", self.latitude_deg, 90.0)?;
+        within("longitude_deg", self.longitude_deg, 180.0)?;
+        within("height_m", self.height_m, 100_000.0)
+    }
 }
 
 impl Default for SiteConfig {
     fn default() -> Self {
-        Self { name: "site1".into(), sac: 0, sic: 1 }
+        Self { name: "site1".into(), sac: 0, sic: 1, position: None }
     }
 }
 
@@ -27,7 +55,8 @@ impl SiteConfig {
         let valid = !self.name.is_empty()
             && self.name.len() <= 32
             && self.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
-        require("site.name", &self.name, valid, "1 to 32 letters, digits, `-` or `_`")
+        require("site.name", &self.name, valid, "1 to 32 letters, digits, `-` or `_`")?;
+        self.position.map_or(Ok(()), |position| position.check("site.position"))
     }
 
     /// SAC in the high byte, SIC in the low byte, as in messages.

@@ -8,12 +8,33 @@ use iceoryx2::node::NodeView;
 use iceoryx2::prelude::*;
 
 use super::IpcError;
-use crate::config::{ChainConfig, IpcConfig};
-use crate::services::{Dwells, HealthReports, Message, Plots, Tracks, Truth};
-use crate::services::{MAX_PLOTS, MAX_TARGETS, MAX_TRACKS};
+use crate::config::{ChainConfig, IpcConfig, Sites};
+use crate::fnv::fnv1a;
+use crate::topic::{ForTopic, Message, Topic};
 
 /// Where shared-memory segments live on Linux.
 const SHARED_MEMORY: &str = "/dev/shm";
+
+/// Between the name of a process and that of its site.
+const AT: char = '@';
+
+/// A living process that uses a domain.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Inhabitant {
+    /// Name of the process.
+    pub process: String,
+    /// The site that it works for, the first one if it serves several.
+    pub site: String,
+    /// Process identifier.
+    pub pid: u32,
+}
+
+impl Inhabitant {
+    /// Name of its node.
+    pub(super) fn node_name(process: &str, site: &str) -> String {
+        format!("{process}{AT}{site}")
+    }
+}
 
 /// Prefix and folder of one chain's files.
 #[derive(Debug, Clone)]
@@ -75,11 +96,7 @@ impl Domain {
     /// prefix in two folders is two domains.
     fn file_prefix(ipc: &IpcConfig) -> String {
         let folder = Self::root(ipc);
-        // FNV-1a: the same in every process and version.
-        let number =
-            folder.as_os_str().as_encoded_bytes().iter().fold(0xcbf2_9ce4_8422_2325_u64, |number, &byte| {
-                (number ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-            });
+        let number = fnv1a(0, folder.as_os_str().as_encoded_bytes());
         format!("{}.rc_{:08x}_", ipc.prefix, number >> 32)
     }
 
@@ -93,8 +110,8 @@ impl Domain {
         clean_dead_nodes(&self.config);
     }
 
-    /// Living processes that use the domain: names and process identifiers.
-    pub fn inhabitants(&self) -> Vec<(String, u32)> {
+    /// Living processes that use the domain.
+    pub fn inhabitants(&self) -> Vec<Inhabitant> {
         let mut alive = Vec::new();
         // The list breaks off when a dead process is cleaned up under it; nobody may be overlooked for that.
         for _ in 0..LISTINGS {
@@ -103,7 +120,10 @@ impl Domain {
                 if let NodeState::Alive(node) = state
                     && let Some(details) = node.details()
                 {
-                    alive.push((details.name().to_string(), details.process_id().value().cast_unsigned()));
+                    let name = details.name().to_string();
+                    let (process, site) = name.split_once(AT).unwrap_or((&name, ""));
+                    let pid = details.process_id().value().cast_unsigned();
+                    alive.push(Inhabitant { process: process.to_string(), site: site.to_string(), pid });
                 }
                 CallbackProgression::Continue
             });
@@ -168,14 +188,14 @@ impl Domain {
         Ok(())
     }
 
-    /// Compares free shared memory with what `chain` needs at most. To be asked before
+    /// Compares free shared memory with what all sites need at most. To be asked before
     /// anything is created: writing to a page that is not there ends a process by SIGBUS.
     ///
     /// # Errors
     /// [`IpcError::SharedMemoryTooSmall`].
-    pub fn check_shared_memory(chain: &ChainConfig) -> Result<(), IpcError> {
+    pub fn check_shared_memory(sites: &Sites) -> Result<(), IpcError> {
         let Some(free) = free_bytes() else { return Ok(()) };
-        let needed = shared_memory_needed(chain);
+        let needed = shared_memory_needed(sites);
         if free >= needed {
             return Ok(());
         }
@@ -188,21 +208,30 @@ pub fn free_bytes() -> Option<u64> {
     rustix::fs::statvfs(SHARED_MEMORY).ok().map(|space| space.f_bavail * space.f_frsize)
 }
 
-/// Shared memory that all publishers of `chain` can fill at most, bytes.
-pub fn shared_memory_needed(chain: &ChainConfig) -> u64 {
-    fn segment<M: Message>(elements: usize) -> u64 {
-        let sample = size_of::<M::Header>() + size_of::<M::Element>() * elements + 64;
-        let samples = M::SUBSCRIBERS * (M::BUFFER + BORROWED) + M::HISTORY + LOANED;
-        (sample * samples) as u64
+/// Shared memory that the publishers of all sites can fill at most, bytes.
+pub fn shared_memory_needed(sites: &Sites) -> u64 {
+    sites.all().iter().map(needed_by).sum::<u64>() + MANAGEMENT
+}
+
+fn needed_by(site: &ChainConfig) -> u64 {
+    struct Segment(Option<usize>);
+    impl ForTopic for Segment {
+        type Out = u64;
+
+        fn call<M: Message>(self) -> u64 {
+            let elements = self.0.unwrap_or(M::MOST);
+            let sample = size_of::<M::Header>() + size_of::<M::Element>() * elements + 64;
+            let samples = M::SUBSCRIBERS * (M::QUEUE + BORROWED) + M::HISTORY + LOANED;
+            (sample * samples) as u64
+        }
     }
-    let has_dwells = chain.upstream_of_recorder().contains(&"plot-extractor");
-    let cells = if has_dwells { chain.radar.grid().cells() } else { 0 };
-    segment::<Dwells>(cells)
-        + segment::<Plots>(MAX_PLOTS)
-        + segment::<Tracks>(MAX_TRACKS)
-        + segment::<Truth>(MAX_TARGETS)
-        + PROCESSES * segment::<HealthReports>(1)
-        + MANAGEMENT
+    let cells = if site.runs("plot-extractor") { site.radar.grid().cells() } else { 0 };
+    let of_topic = |topic: Topic| match topic {
+        Topic::Dwells => topic.apply(Segment(Some(cells))),
+        Topic::HealthReports => PROCESSES * topic.apply(Segment(None)),
+        _ => topic.apply(Segment(None)),
+    };
+    Topic::ALL.into_iter().map(of_topic).sum()
 }
 
 /// How often the processes of a domain are listed until that succeeds.

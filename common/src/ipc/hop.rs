@@ -8,9 +8,10 @@ use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
+use iceoryx2::service::port_factory::publish_subscribe;
 
 use super::IpcError;
-use super::station::{Ipc, Station};
+use super::station::{EventService, Ipc, MAX_NODES, Station};
 use crate::time::monotonic_ns;
 
 /// Longest sleep of a receiver that is to look at its stop flag.
@@ -20,7 +21,9 @@ const TICK: Duration = Duration::from_millis(100);
 #[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
 #[type_name("radar/Sent/1")]
 #[repr(C)]
-pub(super) struct Sent(u64);
+struct Sent(u64);
+
+type HopService = publish_subscribe::PortFactory<Ipc, [f32], Sent>;
 
 /// The sending end.
 #[derive(Debug)]
@@ -36,6 +39,17 @@ pub struct HopReceiver {
     listener: Listener<Ipc>,
 }
 
+/// The services of the hop `name`.
+fn open(station: &Station, name: &str) -> Result<(HopService, EventService), IpcError> {
+    let service = station.service_name(&format!("hop/{name}"));
+    let error =
+        |reason: String| IpcError::Service { service: service.clone(), schema: "hop/1", mode: "real-time", reason };
+    let name = ServiceName::new(&service).map_err(|cause| error(format!("{cause:?}")))?;
+    let builder = station.node().service_builder(&name).publish_subscribe::<[f32]>().user_header::<Sent>();
+    let data = builder.max_nodes(MAX_NODES).open_or_create();
+    Ok((data.map_err(|cause| error(format!("{cause:?}")))?, station.event(&service)?))
+}
+
 fn failed(cause: &dyn std::fmt::Debug) -> IpcError {
     IpcError::Port { port: "bare hop", topic: "hop", reason: format!("{cause:?}") }
 }
@@ -46,7 +60,7 @@ impl HopSender {
     /// # Errors
     /// [`IpcError::Port`].
     pub fn open(station: &Station, name: &str, length: usize) -> Result<Self, IpcError> {
-        let (data, event) = station.hop(name)?;
+        let (data, event) = open(station, name)?;
         let builder = data.publisher_builder().initial_max_slice_len(length);
         let publisher = builder.create().map_err(|cause| failed(&cause))?;
         Ok(Self { publisher, notifier: event.notifier_builder().create().map_err(|cause| failed(&cause))? })
@@ -72,7 +86,7 @@ impl HopReceiver {
     /// # Errors
     /// [`IpcError::Port`].
     pub fn open(station: &Station, name: &str) -> Result<Self, IpcError> {
-        let (data, event) = station.hop(name)?;
+        let (data, event) = open(station, name)?;
         let subscriber = data.subscriber_builder().create().map_err(|cause| failed(&cause))?;
         Ok(Self { subscriber, listener: event.listener_builder().create().map_err(|cause| failed(&cause))? })
     }

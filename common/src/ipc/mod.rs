@@ -10,20 +10,22 @@
 mod domain;
 mod hop;
 mod intake;
+mod observers;
 mod publisher;
 mod station;
 mod subscriber;
 mod wait;
 
-pub use domain::{Domain, free_bytes, shared_memory_needed};
+pub use domain::{Domain, Inhabitant, free_bytes, shared_memory_needed};
 pub use hop::{HopReceiver, HopSender};
 pub use intake::count_intake;
+pub use observers::ObserverLosses;
 pub use publisher::Publisher;
 pub use station::{Keeper, Station};
 pub use subscriber::{Received, Subscriber};
 pub use wait::{Flow, Turn, Wake, Watchdog, attend};
 
-/// Why a port or service is not to be had. The process cannot work without: exit code 3.
+/// Why a port or service cannot be opened. The process cannot work without it: exit code 3.
 #[derive(Debug, thiserror::Error)]
 pub enum IpcError {
     /// The folder or configuration of the domain cannot be made.

@@ -9,13 +9,16 @@ use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
+use iceoryx2::sample_mut::SampleMut;
 
 use super::IpcError;
 use super::domain::{Domain, LOANED, clean_dead_nodes};
+use super::observers::ObserverLosses;
 use super::station::{DataService, Ipc, PublisherServices};
 use crate::config::Mode;
 use crate::process;
-use crate::services::{Consumer, Message};
+use crate::topic::Message;
+use crate::topology::{RECORDER, Stage};
 
 /// How often a publisher that waits looks for dead consumers, ms.
 const CLEAN_INTERVAL_MS: u64 = 50;
@@ -31,18 +34,18 @@ const LONGEST_LINGER: Duration = Duration::from_secs(2);
 
 /// Sends messages of one topic and wakes their consumers.
 ///
-/// Lossless: a full queue blocks, and nothing is sent while a required consumer is
-/// missing; dead consumers are cleaned up meanwhile. Real time: a full queue loses its
-/// oldest message and nothing blocks.
+/// Lossless: the full queue of a required consumer blocks, and nothing is sent while one is missing; dead consumers
+/// are cleaned up meanwhile. The full queue of an observer discards the message, counted ([`ObserverLosses`]).
+/// Real time: a full queue loses its oldest message and nothing blocks.
 pub struct Publisher<M: Message> {
     port: iceoryx2::port::publisher::Publisher<Ipc, [M::Element], M::Header>,
     notifier: Notifier<Ipc>,
-    service: DataService<M>,
+    service: Arc<DataService<M>>,
     ready: Listener<Ipc>,
     domain: Domain,
     mode: Mode,
-    /// Consumers without which nothing is sent, one bit each.
-    consumers: u32,
+    /// Consumers without which nothing is sent, one bit for each stage.
+    required: u32,
     /// Those of them that have not yet found this publisher. One that comes later
     /// connects to the publishers there are as it is created.
     awaited: Cell<u32>,
@@ -51,8 +54,22 @@ pub struct Publisher<M: Message> {
     blocked: Arc<AtomicBool>,
 }
 
-fn bit(consumer: Consumer) -> u32 {
-    1 << consumer as u32
+/// The bit of the stage of this name; 0 for an observer.
+fn bit(process: &str) -> u32 {
+    Stage::from_name(process).map_or(0, |stage| 1 << stage.number())
+}
+
+/// Name of the subscriber with this port; `None` if it has left.
+fn name_of<M: Message>(service: &DataService<M>, port: u128) -> Option<String> {
+    let mut name = None;
+    service.dynamic_config().list_subscribers(|details| {
+        if details.subscriber_id.value() != port {
+            return CallbackProgression::Continue;
+        }
+        name = Some(details.subscriber_name.to_string());
+        CallbackProgression::Stop
+    });
+    name
 }
 
 impl<M: Message> Publisher<M> {
@@ -61,7 +78,8 @@ impl<M: Message> Publisher<M> {
         mode: Mode,
         domain: &Domain,
         max_elements: usize,
-        consumers: &[Consumer],
+        required: u32,
+        losses: ObserverLosses,
     ) -> Result<Self, IpcError> {
         let failed = |reason| IpcError::Port { port: "publisher", topic: M::TOPIC.name(), reason };
         let PublisherServices { data: service, arrival, ready } = services;
@@ -77,9 +95,16 @@ impl<M: Message> Publisher<M> {
             Mode::RealTime => builder.backpressure_strategy(BackpressureStrategy::DiscardData),
             Mode::Lossless => {
                 let (config, cleaned_ms) = (domain.config().clone(), AtomicU64::new(0));
-                let blocked = Arc::clone(&blocked);
+                let (blocked, subscribers) = (Arc::clone(&blocked), Arc::clone(&service));
                 builder.backpressure_strategy(BackpressureStrategy::RetryUntilDelivered).set_backpressure_handler(
                     move |info| {
+                        let Some(name) = name_of::<M>(&subscribers, info.receiver_port_id) else {
+                            return BackpressureAction::DiscardData; // it has left
+                        };
+                        if bit(&name) & required == 0 {
+                            losses.count(M::TOPIC, if name.is_empty() { "unnamed" } else { &name });
+                            return BackpressureAction::DiscardData;
+                        }
                         blocked.store(true, Ordering::Relaxed);
                         let waited_ms = info.elapsed_time.as_millis() as u64;
                         let last_ms = cleaned_ms.load(Ordering::Relaxed);
@@ -95,7 +120,6 @@ impl<M: Message> Publisher<M> {
                 )
             }
         };
-        let consumers = consumers.iter().fold(0, |bits, &consumer| bits | bit(consumer));
         let this = Self {
             port: builder.create().map_err(|cause| failed(format!("{cause:?}")))?,
             notifier: arrival.notifier_builder().create().map_err(|cause| failed(format!("{cause:?}")))?,
@@ -103,8 +127,8 @@ impl<M: Message> Publisher<M> {
             ready,
             domain: domain.clone(),
             mode,
-            consumers,
-            awaited: Cell::new(consumers),
+            required,
+            awaited: Cell::new(required),
             started: Cell::new(false),
             blocked,
         };
@@ -128,13 +152,7 @@ impl<M: Message> Publisher<M> {
         let mut sample = self.port.loan_slice(length).map_err(|cause| Self::failed(&cause))?;
         let header = write(sample.payload_mut());
         *sample.user_header_mut() = header;
-        let began = Instant::now();
-        sample.send().map_err(|cause| Self::failed(&cause))?;
-        if self.blocked.swap(false, Ordering::Relaxed) {
-            process::note_waiting(began.elapsed());
-        }
-        self.wake();
-        Ok(())
+        self.send(sample)
     }
 
     /// Sends a copy of `elements`; `stamp` may still write the time of publishing into the header.
@@ -153,6 +171,10 @@ impl<M: Message> Publisher<M> {
         let place = sample.user_header_mut();
         *place = *header;
         stamp(place);
+        self.send(sample)
+    }
+
+    fn send(&self, sample: SampleMut<Ipc, [M::Element], M::Header>) -> Result<(), IpcError> {
         let began = Instant::now();
         sample.send().map_err(|cause| Self::failed(&cause))?;
         if self.blocked.swap(false, Ordering::Relaxed) {
@@ -163,7 +185,7 @@ impl<M: Message> Publisher<M> {
     }
 
     /// Waits until the required consumers are connected: in lossless mode before every
-    /// message and for ever, in real time only before the first and not for long, least of all for the recorder.
+    /// message and for ever, in real time only before the first and not for long, shortest for the recorder.
     ///
     /// A subscriber that exists is not yet connected: iceoryx2 drops what does not fit
     /// into the queue of one that has not looked for this publisher, whatever the
@@ -187,10 +209,10 @@ impl<M: Message> Publisher<M> {
             if process::stop_requested() && (!self.started.get() || began.elapsed() > FIRST_WAIT) {
                 return Err(IpcError::Stopped { topic });
             }
-            if missing != bit(Consumer::Recorder) {
+            if missing != bit(RECORDER) {
                 recorder_alone = None;
             }
-            let recorder_late = missing == bit(Consumer::Recorder)
+            let recorder_late = missing == bit(RECORDER)
                 && recorder_alone.get_or_insert_with(Instant::now).elapsed() > FIRST_WAIT_RECORDER;
             if self.mode == Mode::RealTime && (recorder_late || began.elapsed() > FIRST_WAIT) {
                 break;
@@ -218,19 +240,24 @@ impl<M: Message> Publisher<M> {
                 self.awaited.set(self.awaited.get() & !(1_u32.checked_shl(event.id.as_value() as u32).unwrap_or(0)));
             });
         }
-        let mut present = 0;
-        self.service.dynamic_config().list_subscribers(|details| {
-            present |= bit(Consumer::of(details.subscriber_name.as_str()));
-            CallbackProgression::Continue
-        });
-        self.awaited.get() | self.consumers & !present
+        self.awaited.get() | self.required & !self.present()
     }
 
-    /// Stays until the consumers have left, at most two seconds: what a publisher sends
+    /// Stages that are subscribed, one bit each.
+    fn present(&self) -> u32 {
+        let mut present = 0;
+        self.service.dynamic_config().list_subscribers(|details| {
+            present |= bit(details.subscriber_name.as_str());
+            CallbackProgression::Continue
+        });
+        present
+    }
+
+    /// Stays until the required consumers have left, at most two seconds: what a publisher sends
     /// last is lost to those that have not yet found it when it goes.
     pub fn linger(&self) {
         let began = Instant::now();
-        while self.service.dynamic_config().number_of_subscribers() > 0 && began.elapsed() < LONGEST_LINGER {
+        while self.required & self.present() != 0 && began.elapsed() < LONGEST_LINGER {
             std::thread::sleep(Duration::from_millis(5));
         }
     }

@@ -1,40 +1,45 @@
 //! A process in a domain.
 
+use std::rc::Rc;
+use std::sync::Arc;
+
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::{event, publish_subscribe};
 
-use super::domain::{BORROWED, Domain};
-use super::hop::Sent;
+use super::domain::{BORROWED, Domain, Inhabitant};
+use super::observers::ObserverLosses;
 use super::{IpcError, Publisher, Subscriber, Wake};
 use crate::config::{ChainConfig, Mode};
-use crate::services::{ALL_TOPICS, Consumer, Dwells, HealthReports, Message, Plots, Topic, Tracks, Truth};
+use crate::topic::{ForTopic, HealthReports, Message, TOPICS, Topic};
+use crate::topology::{STAGES, required_consumers};
 
 pub(super) type Ipc = ipc::Service;
 pub(super) type DataService<M> = publish_subscribe::PortFactory<Ipc, [<M as Message>::Element], <M as Message>::Header>;
-pub(super) type HopService = publish_subscribe::PortFactory<Ipc, [f32], Sent>;
 pub(super) type EventService = event::PortFactory<Ipc>;
 
 /// One process at one site of a domain.
 #[derive(Debug)]
 pub struct Station {
-    node: Node<Ipc>,
+    node: Rc<Node<Ipc>>,
     domain: Domain,
     site: String,
     mode: Mode,
     process: String,
+    /// Stages that publishers of each topic wait for, one bit each.
+    required: [u32; TOPICS],
+    losses: ObserverLosses,
 }
 
 /// What a publisher needs: its messages, telling of their arrival, being told of consumers.
 pub(super) struct PublisherServices<M: Message> {
-    pub(super) data: DataService<M>,
+    pub(super) data: Arc<DataService<M>>,
     pub(super) arrival: EventService,
     pub(super) ready: EventService,
 }
 
 /// All services of a site, held open so that no death of a stage can leave one half made.
 pub struct Keeper {
-    _services: (DataService<Dwells>, DataService<Plots>, DataService<Tracks>, DataService<Truth>),
-    _health: DataService<HealthReports>,
+    _services: Vec<Box<dyn std::any::Any>>,
     _events: Vec<EventService>,
 }
 
@@ -50,7 +55,8 @@ impl Station {
             root: Domain::root(&chain.ipc).display().to_string(),
             reason,
         };
-        let node_name = NodeName::new(name).map_err(|cause| error(format!("{cause:?}")))?;
+        let node_name = Inhabitant::node_name(name, &chain.site.name);
+        let node_name = NodeName::new(&node_name).map_err(|cause| error(format!("{cause:?}")))?;
         let node = NodeBuilder::new()
             .name(&node_name)
             .config(domain.config())
@@ -58,7 +64,22 @@ impl Station {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()
             .map_err(|cause| error(format!("{cause:?}")))?;
-        Ok(Self { node, domain, site: chain.site.name.clone(), mode: chain.run.mode, process: name.to_string() })
+        Ok(Self { process: name.to_string(), ..Self::of_site(Rc::new(node), domain, chain) })
+    }
+
+    /// The same process at another site of its domain.
+    #[must_use]
+    pub fn at(&self, chain: &ChainConfig) -> Self {
+        Self { process: self.process.clone(), ..Self::of_site(Rc::clone(&self.node), self.domain.clone(), chain) }
+    }
+
+    fn of_site(node: Rc<Node<Ipc>>, domain: Domain, chain: &ChainConfig) -> Self {
+        let mut required = [0; TOPICS];
+        for topic in Topic::ALL {
+            required[topic as usize] = required_consumers(topic, chain);
+        }
+        let (site, losses) = (chain.site.name.clone(), ObserverLosses::default());
+        Self { node, domain, site, mode: chain.run.mode, process: String::new(), required, losses }
     }
 
     /// The domain.
@@ -71,31 +92,53 @@ impl Station {
         &self.process
     }
 
+    /// Name of the site.
+    pub fn site(&self) -> &str {
+        &self.site
+    }
+
+    /// What full queues of observers have discarded of the messages published here.
+    pub fn observer_losses(&self) -> ObserverLosses {
+        self.losses.clone()
+    }
+
+    pub(super) fn node(&self) -> &Node<Ipc> {
+        &self.node
+    }
+
     /// Creates every service of the site and holds it open.
     ///
     /// # Errors
     /// [`IpcError::Service`] if one exists with another version or mode.
     pub fn keep_services(&self) -> Result<Keeper, IpcError> {
-        let names = ALL_TOPICS.map(|topic| [self.service_name(topic), self.ready_name(topic)]);
+        struct Open<'a>(&'a Station);
+        impl ForTopic for Open<'_> {
+            type Out = Result<Box<dyn std::any::Any>, IpcError>;
+
+            fn call<M: Message>(self) -> Self::Out {
+                Ok(Box::new(self.0.data::<M>()?))
+            }
+        }
+        let names = Topic::ALL.map(|topic| [self.topic_service(topic), self.ready_service(topic)]);
         Ok(Keeper {
-            _services: (self.data::<Dwells>()?, self.data::<Plots>()?, self.data::<Tracks>()?, self.data::<Truth>()?),
-            _health: self.data::<HealthReports>()?,
+            _services: Topic::ALL.into_iter().map(|topic| topic.apply(Open(self))).collect::<Result<_, _>>()?,
             _events: names.iter().flatten().map(|name| self.event(name)).collect::<Result<_, _>>()?,
         })
     }
 
-    /// The publisher of a topic, for messages of at most `max_elements`. In lossless
-    /// mode it does not send before `consumers` are connected.
+    /// The publisher of a topic, for messages of at most `most` elements. In lossless mode it does not send before the
+    /// consumers that the topology requires are connected.
     ///
     /// # Errors
     /// [`IpcError`].
-    pub fn publisher<M: Message>(&self, max_elements: usize, consumers: &[Consumer]) -> Result<Publisher<M>, IpcError> {
+    pub fn publisher<M: Message>(&self, most: usize) -> Result<Publisher<M>, IpcError> {
         let services = PublisherServices {
-            data: self.data::<M>()?,
-            arrival: self.event(&self.service_name(M::TOPIC))?,
-            ready: self.event(&self.ready_name(M::TOPIC))?,
+            data: Arc::new(self.data::<M>()?),
+            arrival: self.event(&self.topic_service(M::TOPIC))?,
+            ready: self.event(&self.ready_service(M::TOPIC))?,
         };
-        Publisher::new(services, self.policy::<M>(), &self.domain, max_elements, consumers)
+        let (policy, required) = (self.policy::<M>(), self.required[M::TOPIC as usize]);
+        Publisher::new(services, policy, &self.domain, most, required, self.losses.clone())
     }
 
     /// A subscriber to a topic.
@@ -103,7 +146,7 @@ impl Station {
     /// # Errors
     /// [`IpcError`].
     pub fn subscriber<M: Message>(&self) -> Result<Subscriber<M>, IpcError> {
-        Subscriber::new(self.data::<M>()?, &self.event(&self.ready_name(M::TOPIC))?, &self.process)
+        Subscriber::new(self.data::<M>()?, &self.event(&self.ready_service(M::TOPIC))?, &self.process)
     }
 
     /// What [`super::attend`] needs to be woken by messages of a topic.
@@ -111,37 +154,31 @@ impl Station {
     /// # Errors
     /// [`IpcError`].
     pub fn wake(&self, topic: Topic) -> Result<Wake, IpcError> {
-        Wake::new(&self.event(&self.service_name(topic))?, topic)
-    }
-
-    /// Services of the bare hop `name`.
-    pub(super) fn hop(&self, name: &str) -> Result<(HopService, EventService), IpcError> {
-        let service = format!("radar/{}/hop/{name}", self.site);
-        let error =
-            |reason: String| IpcError::Service { service: service.clone(), schema: "hop/1", mode: "real-time", reason };
-        let name = ServiceName::new(&service).map_err(|cause| error(format!("{cause:?}")))?;
-        let builder = self.node.service_builder(&name).publish_subscribe::<[f32]>().user_header::<Sent>();
-        let data = builder.max_nodes(MAX_NODES).open_or_create();
-        Ok((data.map_err(|cause| error(format!("{cause:?}")))?, self.event(&service)?))
+        Wake::new(&self.event(&self.topic_service(topic))?, topic)
     }
 
     /// Health reports are never waited for, whatever the mode of the chain.
     fn policy<M: Message>(&self) -> Mode {
-        if M::TOPIC == Topic::Health { Mode::RealTime } else { self.mode }
+        if M::TOPIC == Topic::HealthReports { Mode::RealTime } else { self.mode }
     }
 
-    fn service_name(&self, topic: Topic) -> String {
-        format!("radar/{}/{}", self.site, topic.name())
+    /// Name of a service of the site.
+    pub(super) fn service_name(&self, what: &str) -> String {
+        format!("radar/{}/{what}", self.site)
     }
 
-    /// Event service on which subscribers of a topic tell a new publisher that they have found it.
-    fn ready_name(&self, topic: Topic) -> String {
-        format!("{}/ready", self.service_name(topic))
+    fn topic_service(&self, topic: Topic) -> String {
+        self.service_name(topic.name())
+    }
+
+    /// Event service on which the stages that read a topic tell a new publisher that they have found it.
+    fn ready_service(&self, topic: Topic) -> String {
+        format!("{}/ready", self.topic_service(topic))
     }
 
     fn data<M: Message>(&self) -> Result<DataService<M>, IpcError> {
         let mode = self.policy::<M>();
-        let service = self.service_name(M::TOPIC);
+        let service = self.topic_service(M::TOPIC);
         let error = |reason: String| IpcError::Service {
             service: service.clone(),
             schema: M::SCHEMA,
@@ -163,7 +200,7 @@ impl Station {
             .max_publishers(M::PUBLISHERS)
             .max_subscribers(M::SUBSCRIBERS)
             .max_nodes(MAX_NODES)
-            .subscriber_max_buffer_size(M::BUFFER)
+            .subscriber_max_buffer_size(M::QUEUE)
             .subscriber_max_borrowed_samples(BORROWED)
             .history_size(M::HISTORY)
             .enable_safe_overflow(mode == Mode::RealTime)
@@ -180,7 +217,7 @@ impl Station {
         format!("; the service there is {}", told.join(", "))
     }
 
-    fn event(&self, service: &str) -> Result<EventService, IpcError> {
+    pub(super) fn event(&self, service: &str) -> Result<EventService, IpcError> {
         let error =
             |reason: String| IpcError::Service { service: service.to_string(), schema: "event", mode: "event", reason };
         let name = ServiceName::new(service).map_err(|cause| error(format!("{cause:?}")))?;
@@ -188,7 +225,7 @@ impl Station {
             .service_builder(&name)
             .event()
             .max_nodes(MAX_NODES)
-            .event_id_max_value(Consumer::KINDS)
+            .event_id_max_value(STAGES.len())
             .max_notifiers(HealthReports::PUBLISHERS)
             .max_listeners(HealthReports::PUBLISHERS)
             .open_or_create()
@@ -197,7 +234,7 @@ impl Station {
 }
 
 /// Processes that may use a service at once, those not yet cleaned up included.
-const MAX_NODES: usize = 24;
+pub(super) const MAX_NODES: usize = 24;
 
 /// Adds what a user can do about it to iceoryx2's names of errors.
 fn explain(cause: &str) -> String {

@@ -9,7 +9,9 @@ use super::IpcError;
 use super::intake::count_intake;
 use super::station::{DataService, EventService, Ipc};
 use crate::health::Intake;
-use crate::services::{Consumer, Message};
+use crate::message::{Header, Place};
+use crate::topic::Message;
+use crate::topology::Stage;
 
 /// Receives messages of one topic and counts the missing ones.
 pub struct Subscriber<M: Message> {
@@ -17,7 +19,8 @@ pub struct Subscriber<M: Message> {
     port: iceoryx2::port::subscriber::Subscriber<Ipc, [M::Element], M::Header>,
     intake: RefCell<Intake>,
     session: Cell<u64>,
-    ready: Notifier<Ipc>,
+    /// Tells publishers that a stage has found them; observers tell nobody.
+    ready: Option<Notifier<Ipc>>,
     known_publishers: Cell<[u128; MAX_PUBLISHERS]>,
 }
 
@@ -45,14 +48,13 @@ impl<M: Message> Received<M> {
 
 impl<M: Message> Subscriber<M> {
     pub(super) fn new(service: DataService<M>, ready: &EventService, process: &str) -> Result<Self, IpcError> {
-        let consumer = Consumer::of(process);
         let name = PortName::new(process).map_err(|cause| Self::failed(&cause))?;
         let port = service.subscriber_builder().name(&name).create().map_err(|cause| Self::failed(&cause))?;
-        let ready = ready
-            .notifier_builder()
-            .default_event_id(EventId::new(consumer as usize))
-            .create()
-            .map_err(|cause| Self::failed(&cause))?;
+        let notifier = |stage: &Stage| {
+            let builder = ready.notifier_builder().default_event_id(EventId::new(stage.number()));
+            builder.create().map_err(|cause| Self::failed(&cause))
+        };
+        let ready = Stage::from_name(process).map(notifier).transpose()?;
         let (intake, session, known_publishers) = (RefCell::default(), Cell::new(0), Cell::default());
         Ok(Self { service, port, intake, session, ready, known_publishers })
     }
@@ -70,12 +72,14 @@ impl<M: Message> Subscriber<M> {
                 received = self.port.receive().map_err(|cause| Self::failed(&cause))?;
                 if received.is_none() {
                     self.known_publishers.set(publishers);
-                    let _ = self.ready.notify();
+                    if let Some(ready) = &self.ready {
+                        let _ = ready.notify();
+                    }
                 }
             }
         }
         let Some(sample) = received else { return Ok(None) };
-        let (session, seq) = M::place(sample.user_header());
+        let Place { session, seq, .. } = sample.user_header().place();
         let mut last_session = self.session.get();
         let missing = count_intake(&mut self.intake.borrow_mut(), &mut last_session, session, seq);
         self.session.set(last_session);

@@ -12,7 +12,7 @@ use super::station::{EventService, Ipc};
 use crate::config::{ChainConfig, WaitStrategy};
 use crate::health::{Condition, Health};
 use crate::process;
-use crate::services::Topic;
+use crate::topic::Topic;
 
 /// Longest sleep: the stop flag and the health report are looked after this often.
 const TICK: Duration = Duration::from_millis(100);

@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::RecordedRef;
-use crate::services::Topic;
+use crate::topic::{RecordedRef, Topic};
 
 /// Why messages are missing from a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

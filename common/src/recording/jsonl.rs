@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::{Recorded, RecordedRef, RecordingError};
+use crate::topic::{ForMessage, ForTopic, Message, Topic};
 
 /// A line as it is written.
 #[derive(Serialize)]
@@ -48,23 +49,20 @@ impl<W: Write> Writer<W> {
     /// # Errors
     /// `out` fails, or the message is a dwell.
     pub fn write(&mut self, message: RecordedRef<'_>) -> Result<(), RecordingError> {
-        let topic = message.topic().name();
-        match message {
-            RecordedRef::Dwells(..) => {
-                let error = std::io::Error::new(std::io::ErrorKind::Unsupported, "dwells have no text form");
-                return Err(RecordingError::Io(error));
-            }
-            RecordedRef::Plots(header, elements) => self.line(&LineOut { topic, header, elements }),
-            RecordedRef::Tracks(header, elements) => self.line(&LineOut { topic, header, elements }),
-            RecordedRef::Truth(header, elements) => self.line(&LineOut { topic, header, elements }),
-            RecordedRef::Health(header, elements) => self.line(&LineOut { topic, header, elements }),
-        }?;
-        Ok(())
-    }
+        struct Line<'a, W>(&'a mut W);
+        impl<W: Write> ForMessage for Line<'_, W> {
+            type Out = serde_json::Result<()>;
 
-    fn line<H: Serialize, E: Serialize>(&mut self, line: &LineOut<'_, H, E>) -> std::io::Result<()> {
-        serde_json::to_writer(&mut self.out, line)?;
-        self.out.write_all(b"\n")
+            fn call<M: Message>(self, header: &M::Header, elements: &[M::Element]) -> Self::Out {
+                serde_json::to_writer(self.0, &LineOut { topic: M::TOPIC.name(), header, elements })
+            }
+        }
+        if message.topic().is_bulk() {
+            let text = format!("{} have no text form", message.topic().name());
+            return Err(RecordingError::Io(std::io::Error::new(std::io::ErrorKind::Unsupported, text)));
+        }
+        message.apply(Line(&mut self.out)).map_err(std::io::Error::from)?;
+        Ok(self.out.write_all(b"\n")?)
     }
 
     /// Writes out what is buffered.
@@ -119,13 +117,24 @@ impl<R: BufRead> Iterator for Reader<R> {
 }
 
 fn parse(line: &str) -> Result<Recorded, String> {
+    struct Parse<'a>(&'a LineIn<'a>);
+    impl ForTopic for Parse<'_> {
+        type Out = Result<Recorded, String>;
+
+        fn call<M: Message>(self) -> Self::Out {
+            let (header, elements) = parts::<M::Header, M::Element>(self.0)?;
+            Ok(M::recorded(header, elements))
+        }
+    }
     let parsed: LineIn<'_> = serde_json::from_str(line).map_err(|error| error.to_string())?;
-    match parsed.topic.as_str() {
-        "plots" => parts(&parsed).map(|(header, elements)| Recorded::Plots(header, elements)),
-        "tracks" => parts(&parsed).map(|(header, elements)| Recorded::Tracks(header, elements)),
-        "truth" => parts(&parsed).map(|(header, elements)| Recorded::Truth(header, elements)),
-        "health" => parts(&parsed).map(|(header, elements)| Recorded::Health(header, elements)),
-        other => Err(format!("topic `{other}`: expected plots, tracks, truth or health")),
+    match Topic::from_name(&parsed.topic).filter(|topic| !topic.is_bulk()) {
+        Some(topic) => topic.apply(Parse(&parsed)),
+        None => {
+            let readable = Topic::ALL.iter().filter(|topic| !topic.is_bulk()).map(|topic| topic.name());
+            let names: Vec<&str> = readable.collect();
+            let (last, others) = names.split_last().expect("some topics have a text form");
+            Err(format!("topic `{}`: expected {} or {last}", parsed.topic, others.join(", ")))
+        }
     }
 }
 

@@ -6,12 +6,12 @@
 pub mod container;
 mod gap;
 pub mod jsonl;
-mod message;
 pub(crate) mod not_known;
 mod parts;
+pub mod row;
 
+pub use crate::topic::{Recorded, RecordedRef};
 pub use gap::{Gap, GapReason};
-pub use message::{Recorded, RecordedRef};
 pub use parts::{part_name, parts_from, parts_of, parts_of_run, run_and_part};
 
 use std::fs::File;

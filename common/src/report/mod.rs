@@ -2,7 +2,10 @@
 //!
 //! A value that a run has no means to measure (no truth, no cells) is `null`.
 
+mod chain;
 mod text;
+
+pub use chain::{ChainReport, SCHEMA_OF_SITES, SitesReport};
 
 use std::collections::BTreeMap;
 
@@ -38,6 +41,9 @@ pub struct Report {
     pub comparable: bool,
     /// Messages lost, by topic and consumer.
     pub loss: BTreeMap<String, BTreeMap<String, u64>>,
+    /// Messages that full queues of observers have discarded, by topic and observer. They cost the chain nothing.
+    #[serde(default)]
+    pub observers: BTreeMap<String, BTreeMap<String, u64>>,
     /// Messages, by topic.
     pub messages: BTreeMap<String, u64>,
     /// Percentiles of latencies, µs.
@@ -318,11 +324,6 @@ impl Report {
     /// Messages lost in all.
     pub fn lost(&self) -> u64 {
         self.loss.values().flat_map(BTreeMap::values).sum()
-    }
-
-    /// Whether every budget is kept.
-    pub fn within_budgets(&self) -> bool {
-        self.budget.values().all(|budget| budget.ok)
     }
 }
 

@@ -23,6 +23,13 @@ impl Report {
         text
     }
 
+    /// The table of processes alone, for a terminal.
+    pub(super) fn processes_to_text(&self) -> String {
+        let mut text = String::new();
+        let _ = self.write_processes(&mut text);
+        text
+    }
+
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
         let comparable = if self.comparable { "" } else { "  (not comparable)" };
         writeln!(
@@ -36,6 +43,11 @@ impl Report {
         for (topic, consumers) in &self.loss {
             for (consumer, lost) in consumers.iter().filter(|&(_, &lost)| lost > 0) {
                 writeln!(out, "  lost: {lost} {topic} by {consumer}")?;
+            }
+        }
+        for (topic, observers) in &self.observers {
+            for (observer, lost) in observers.iter().filter(|&(_, &lost)| lost > 0) {
+                writeln!(out, "  observer {observer} has missed {lost} {topic}; the chain did not wait for it")?;
             }
         }
         self.write_latencies(out)?;

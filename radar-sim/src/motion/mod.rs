@@ -5,6 +5,7 @@ mod segments;
 mod waypoints;
 
 use common::config::{MotionConfig, TargetConfig};
+use common::geodesy::FrameChange;
 use common::truth::{CONSTANT_VELOCITY, HOVER};
 use nalgebra::Vector3;
 
@@ -24,6 +25,19 @@ pub struct Kinematics {
     pub acceleration_mps2: Vector3<f64>,
     /// Mode of motion, as in [`common::truth`].
     pub mode: u32,
+}
+
+impl Kinematics {
+    /// The same state in another frame.
+    #[must_use]
+    pub fn in_frame(&self, frame: &FrameChange) -> Self {
+        Self {
+            position_m: frame.position_m(self.position_m.into()).into(),
+            velocity_mps: frame.vector(self.velocity_mps.into()).into(),
+            acceleration_mps2: frame.vector(self.acceleration_mps2.into()).into(),
+            mode: self.mode,
+        }
+    }
 }
 
 /// The motion of one target.

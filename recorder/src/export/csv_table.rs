@@ -4,11 +4,11 @@ use std::fmt::Write;
 use std::fs::File;
 use std::io;
 
+use common::recording::row::{Table, Value};
 use common::recording::{RecordedRef, RecordingError};
-use common::services::Topic;
+use common::topic::Topic;
 
-use super::Sink;
-use super::rows::{Table, Value, put_columns, put_rows};
+use super::{Sink, put_columns, put_rows};
 
 /// A table of one topic.
 pub(super) struct CsvTable {

@@ -8,17 +8,13 @@
 use std::fs::File;
 use std::io::BufWriter;
 
-use common::health::Health;
-use common::plots::{Plot, PlotsHeader};
 use common::recording::container::Description;
 use common::recording::{RecordedRef, RecordingError};
-use common::services::{HealthHeader, TOPICS, Topic};
-use common::tracks::{Track, TracksHeader};
-use common::truth::{TruthHeader, TruthTarget};
+use common::topic::{ForMessage, ForTopic, Message, TOPICS, Topic};
 use mcap::records::{MessageHeader, Metadata};
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
-use schemars::{JsonSchema, Schema};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -68,9 +64,18 @@ impl McapJson {
         Ok(Self { mcap, channels, time_ns: 0, text: Vec::new() })
     }
 
-    fn put<H: Serialize, E: Serialize>(&mut self, header: &H, elements: &[E]) -> serde_json::Result<()> {
+    /// Turns a message into text; what is not known is left out.
+    fn put(&mut self, message: RecordedRef<'_>) -> serde_json::Result<()> {
+        struct Text<'a>(&'a mut Vec<u8>);
+        impl ForMessage for Text<'_> {
+            type Out = serde_json::Result<()>;
+
+            fn call<M: Message>(self, header: &M::Header, elements: &[M::Element]) -> Self::Out {
+                serde_json::to_writer(self.0, &Body { header, elements })
+            }
+        }
         self.text.clear();
-        serde_json::to_writer(&mut self.text, &Body { header, elements })?;
+        message.apply(Text(&mut self.text))?;
         if self.text.windows(4).any(|text| text == b"null") {
             let mut body: Value = serde_json::from_slice(&self.text)?;
             leave_out_unknown(&mut body);
@@ -82,14 +87,7 @@ impl McapJson {
 
 impl Sink for McapJson {
     fn write(&mut self, message: RecordedRef<'_>) -> Result<u64, RecordingError> {
-        match message {
-            RecordedRef::Dwells(..) => return Ok(0),
-            RecordedRef::Plots(header, elements) => self.put(header, elements),
-            RecordedRef::Tracks(header, elements) => self.put(header, elements),
-            RecordedRef::Truth(header, elements) => self.put(header, elements),
-            RecordedRef::Health(header, elements) => self.put(header, elements),
-        }
-        .map_err(std::io::Error::from)?;
+        self.put(message).map_err(std::io::Error::from)?;
         if message.time_ns() > 0 {
             self.time_ns = message.time_ns();
         }
@@ -107,19 +105,20 @@ impl Sink for McapJson {
 
 /// JSON Schema of a topic's messages.
 fn schema(topic: Topic) -> Schema {
+    struct Describe(SchemaGenerator);
+    impl ForTopic for Describe {
+        type Out = Schema;
+
+        fn call<M: Message>(self) -> Schema {
+            self.0.into_root_schema_for::<Body<'_, M::Header, M::Element>>()
+        }
+    }
     // Viewers want the whole schema in one piece.
     let nothing_required = RecursiveTransform(|schema: &mut Schema| {
         schema.remove("required");
     });
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
-    let generator = settings.with_transform(nothing_required).into_generator();
-    let mut schema = match topic {
-        Topic::Dwells => Schema::default(),
-        Topic::Plots => generator.into_root_schema_for::<Body<'_, PlotsHeader, Plot>>(),
-        Topic::Tracks => generator.into_root_schema_for::<Body<'_, TracksHeader, Track>>(),
-        Topic::Truth => generator.into_root_schema_for::<Body<'_, TruthHeader, TruthTarget>>(),
-        Topic::Health => generator.into_root_schema_for::<Body<'_, HealthHeader, Health>>(),
-    };
+    let mut schema = topic.apply(Describe(settings.with_transform(nothing_required).into_generator()));
     schema.insert("title".into(), topic.name().into());
     schema
 }

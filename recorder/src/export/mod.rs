@@ -9,15 +9,15 @@
 mod csv_table;
 mod mcap_json;
 mod parquet_table;
-mod rows;
 
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use common::recording::container::Description;
+use common::recording::row::{Row, Table};
 use common::recording::{Recorded, RecordedRef, RecordingError, jsonl};
-use common::services::Topic;
+use common::topic::{ForMessage, ForTopic, Message, Topic};
 
 use csv_table::CsvTable;
 use mcap_json::McapJson;
@@ -66,9 +66,9 @@ pub enum ExportError {
         /// Why.
         message: String,
     },
-    /// Dwells have none of the forms.
-    #[error("topic `dwells` has no text form: 10⁹ bytes per second")]
-    Dwells,
+    /// Too much for any of the forms.
+    #[error("topic `{0}` has no text form: 10⁸ bytes a second in a recording, 10⁹ as text")]
+    Bulk(&'static str),
 }
 
 /// Writes the messages of `topics` into `directory`; returns the files with their numbers of rows, lines or messages.
@@ -83,8 +83,8 @@ pub fn export(
     format: Format,
     directory: &Path,
 ) -> Result<Vec<(PathBuf, u64)>, ExportError> {
-    if topics.contains(&Topic::Dwells) {
-        return Err(ExportError::Dwells);
+    if let Some(bulk) = topics.iter().find(|topic| topic.is_bulk()) {
+        return Err(ExportError::Bulk(bulk.name()));
     }
     let failed = |path: &Path, error: &dyn std::fmt::Display| ExportError::Write {
         path: path.to_path_buf(),
@@ -110,6 +110,36 @@ pub fn export(
         Err(error) => Err(failed(&output.path, &error)),
     };
     outputs.into_iter().map(close).collect()
+}
+
+/// Gives `table` a row with the columns of a topic.
+fn put_columns(topic: Topic, table: &mut dyn Table) -> io::Result<()> {
+    struct Columns<'a>(&'a mut dyn Table);
+    impl ForTopic for Columns<'_> {
+        type Out = io::Result<()>;
+
+        fn call<M: Message>(self) -> io::Result<()> {
+            M::Element::default().put_row(&M::Header::default(), self.0)?;
+            self.0.end_row()
+        }
+    }
+    topic.apply(Columns(table))
+}
+
+/// Gives `table` the rows of a message, one per element.
+fn put_rows(message: RecordedRef<'_>, table: &mut dyn Table) -> io::Result<()> {
+    struct Rows<'a>(&'a mut dyn Table);
+    impl ForMessage for Rows<'_> {
+        type Out = io::Result<()>;
+
+        fn call<M: Message>(self, header: &M::Header, elements: &[M::Element]) -> io::Result<()> {
+            elements.iter().try_for_each(|element| {
+                element.put_row(header, self.0)?;
+                self.0.end_row()
+            })
+        }
+    }
+    message.apply(Rows(table))
 }
 
 /// One file.

@@ -7,8 +7,9 @@ use std::io;
 use std::sync::Arc;
 
 use common::recording::container::Description;
+use common::recording::row::{Table, Value};
 use common::recording::{RecordedRef, RecordingError};
-use common::services::Topic;
+use common::topic::Topic;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::errors::ParquetError;
@@ -17,8 +18,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::parser::parse_message_type;
 
-use super::Sink;
-use super::rows::{Table, Value, put_columns, put_rows};
+use super::{Sink, put_columns, put_rows};
 
 /// Rows that are kept in memory until they are written together.
 const GROUP_ROWS: usize = 1 << 16;

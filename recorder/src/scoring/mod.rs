@@ -43,7 +43,9 @@ impl Scoring {
     /// Nothing seen yet.
     pub fn new(config: &ChainConfig) -> Self {
         let tracks = match config.origin() {
-            Source::PlotSource => TrackScore::Cooperative(Box::new(Cooperative::new(&config.recorder.scoring))),
+            Source::PlotSource | Source::External => {
+                TrackScore::Cooperative(Box::new(Cooperative::new(&config.recorder.scoring)))
+            }
             Source::RadarSim | Source::Replay => {
                 TrackScore::Simulated(Box::new(Simulated::new(&config.recorder.scoring)))
             }

@@ -24,10 +24,9 @@ pub use writer::Writer;
 use std::collections::BTreeMap;
 
 use bincode::config::{Configuration, Fixint, LittleEndian};
-use serde::Serialize;
 
 use super::{RecordedRef, RecordingError};
-use crate::services::{Dwells, HealthReports, Message, Plots, Topic, Tracks, Truth};
+use crate::topic::{ForMessage, ForTopic, Message, Topic};
 
 /// The first bytes of every MCAP file.
 pub const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
@@ -62,23 +61,16 @@ fn encoding() -> Configuration<LittleEndian, Fixint> {
 /// # Errors
 /// The message cannot be encoded.
 pub fn encode(message: RecordedRef<'_>, out: &mut Vec<u8>) -> Result<(), RecordingError> {
-    match message {
-        RecordedRef::Dwells(header, elements) => encode_parts(header, elements, out),
-        RecordedRef::Plots(header, elements) => encode_parts(header, elements, out),
-        RecordedRef::Tracks(header, elements) => encode_parts(header, elements, out),
-        RecordedRef::Truth(header, elements) => encode_parts(header, elements, out),
-        RecordedRef::Health(header, elements) => encode_parts(header, elements, out),
-    }
-}
+    struct Encode<'a>(&'a mut Vec<u8>);
+    impl ForMessage for Encode<'_> {
+        type Out = Result<usize, bincode::error::EncodeError>;
 
-fn encode_parts<H: Serialize, E: Serialize>(
-    header: &H,
-    elements: &[E],
-    out: &mut Vec<u8>,
-) -> Result<(), RecordingError> {
-    bincode::serde::encode_into_std_write((header, elements), out, encoding())
-        .map(|_| ())
-        .map_err(|error| RecordingError::Container { message: error.to_string() })
+        fn call<M: Message>(self, header: &M::Header, elements: &[M::Element]) -> Self::Out {
+            bincode::serde::encode_into_std_write((header, elements), self.0, encoding())
+        }
+    }
+    let written = message.apply(Encode(out));
+    written.map(|_| ()).map_err(|error| RecordingError::Container { message: error.to_string() })
 }
 
 /// What a recording says of itself.
@@ -132,13 +124,13 @@ impl Description {
 
 /// Name and defining source of the messages of a topic.
 pub fn schema(topic: Topic) -> (&'static str, &'static str) {
-    match topic {
-        Topic::Dwells => (Dwells::SCHEMA, include_str!("../../dwell.rs")),
-        Topic::Plots => (Plots::SCHEMA, concat!(include_str!("../../message.rs"), include_str!("../../plots.rs"))),
-        Topic::Tracks => (Tracks::SCHEMA, concat!(include_str!("../../message.rs"), include_str!("../../tracks.rs"))),
-        Topic::Truth => (Truth::SCHEMA, include_str!("../../truth.rs")),
-        Topic::Health => {
-            (HealthReports::SCHEMA, concat!(include_str!("../../health.rs"), include_str!("../../services.rs")))
+    struct Schema;
+    impl ForTopic for Schema {
+        type Out = (&'static str, &'static str);
+
+        fn call<M: Message>(self) -> Self::Out {
+            (M::SCHEMA, M::SOURCE)
         }
     }
+    topic.apply(Schema)
 }

@@ -11,7 +11,7 @@ use super::blocks::{Block, Blocks, BlocksAhead, End};
 use super::{Description, ENCODING, GAPS, encoding, schema};
 use crate::dwell::DwellHeader;
 use crate::recording::{Gap, Recorded, RecordingError};
-use crate::services::{ALL_TOPICS, Topic};
+use crate::topic::{ForTopic, Message, Topic};
 
 /// What lies in a recording.
 #[expect(clippy::large_enum_variant, reason = "nearly all entries are messages")]
@@ -187,7 +187,7 @@ impl Chunk {
                 op::CHANNEL => {
                     if let Record::Channel(channel) = mcap::parse_record(opcode, content).map_err(damaged)? {
                         let last = channel.topic.rsplit('/').next().unwrap_or_default();
-                        let topic = ALL_TOPICS.into_iter().find(|topic| topic.name() == last);
+                        let topic = Topic::from_name(last);
                         if let (Some(topic), ENCODING) = (topic, channel.message_encoding.as_str()) {
                             let (ours, found) = (schema(topic).0, schemas.get(&channel.schema_id));
                             let known = match found.filter(|found| *found != ours) {
@@ -240,13 +240,20 @@ impl Chunk {
 }
 
 fn decode(topic: Topic, data: &[u8]) -> Result<Recorded, String> {
-    match topic {
-        Topic::Dwells => dwell(data).map(|(header, cells)| Recorded::Dwells(header, cells)),
-        Topic::Plots => parts(data).map(|(header, elements)| Recorded::Plots(header, elements)),
-        Topic::Tracks => parts(data).map(|(header, elements)| Recorded::Tracks(header, elements)),
-        Topic::Truth => parts(data).map(|(header, elements)| Recorded::Truth(header, elements)),
-        Topic::Health => parts(data).map(|(header, elements)| Recorded::Health(header, elements)),
+    struct Decode<'a>(&'a [u8]);
+    impl ForTopic for Decode<'_> {
+        type Out = Result<Recorded, String>;
+
+        fn call<M: Message>(self) -> Self::Out {
+            let (header, elements) = parts::<M::Header, M::Element>(self.0)?;
+            Ok(M::recorded(header, elements))
+        }
     }
+    // `bincode` looks at each cell of a dwell; here they are taken over as they lie there.
+    if topic == Topic::Dwells {
+        return dwell(data).map(|(header, cells)| Recorded::Dwells(header, cells));
+    }
+    topic.apply(Decode(data))
 }
 
 fn parts<H: DeserializeOwned, E: DeserializeOwned>(data: &[u8]) -> Result<(H, Vec<E>), String> {
@@ -254,7 +261,6 @@ fn parts<H: DeserializeOwned, E: DeserializeOwned>(data: &[u8]) -> Result<(H, Ve
     if length == data.len() { Ok(message) } else { Err(format!("{length} of {} bytes used", data.len())) }
 }
 
-/// As [`parts`], but the cells are taken over as they lie there: `bincode` looks at each of them.
 fn dwell(data: &[u8]) -> Result<(DwellHeader, Vec<f32>), String> {
     let ((header, count), length): ((DwellHeader, u64), usize) = decode_start(data)?;
     let cells = &data[length..];

@@ -9,7 +9,7 @@ use mcap::records::{MessageHeader, Metadata};
 
 use super::{COUNTS, DESCRIPTION, Description, ENCODING, GAP_SCHEMA, GAPS, encode, schema};
 use crate::recording::{Gap, GapReason, RecordedRef, RecordingError};
-use crate::services::{ALL_TOPICS, TOPICS};
+use crate::topic::{TOPICS, Topic};
 
 /// Writes a container. What has been written is on its way to the file after [`Writer::flush`].
 pub struct Writer<W: Write + Seek> {
@@ -55,7 +55,7 @@ impl<W: Write + Seek> Writer<W> {
         let mut channels = [0; TOPICS];
         let none = BTreeMap::new();
         let service = |topic: &str| format!("radar/{}/{topic}", description.site);
-        for topic in ALL_TOPICS {
+        for topic in Topic::ALL {
             let (name, source) = schema(topic);
             let schema = mcap.add_schema(name, "rust", source.as_bytes()).map_err(write_error)?;
             channels[topic as usize] =

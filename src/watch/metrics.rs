@@ -10,17 +10,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use common::config::MetricsConfig;
-use common::health::{Condition, Health, REJECT_NAMES, Wish};
+use common::health::{Condition, Health, LatencySummary, RealtimeSetting};
 use common::latency::LATENCY_NAMES;
 use common::process::BadInput;
-use common::services::TOPIC_NAMES;
 use common::time::monotonic_ns;
 use common::units::NS_PER_S;
 
-use crate::board::Board;
+use super::board::{Board, SiteBoard};
 
-/// A scraper that is slower is sent away.
-const PATIENCE: Duration = Duration::from_secs(2);
+/// A slower scraper is disconnected.
+const TIMEOUT: Duration = Duration::from_secs(2);
 /// A process that has said nothing for so long is not up, s.
 const SILENT_S: f64 = 10.0;
 /// Longest request that is read, bytes.
@@ -63,8 +62,8 @@ impl Metrics {
 
 /// Answers one request.
 fn answer(mut stream: TcpStream, page: &str) -> std::io::Result<()> {
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
+    stream.set_read_timeout(Some(TIMEOUT))?;
+    stream.set_write_timeout(Some(TIMEOUT))?;
     let (mut request, mut length) = ([0; REQUEST], 0);
     while length < REQUEST && !request[..length].windows(4).any(|end| end == b"\r\n\r\n") {
         match stream.read(&mut request[length..])? {
@@ -113,8 +112,8 @@ const FIGURES: [Figure; 15] = [
     ),
     ("radar_upstream_silences_total", "counter", "Times that input stayed away", |health| f64::from(health.silences)),
     ("radar_slow_steps_total", "counter", "Steps that took too long", |health| f64::from(health.slow_steps)),
-    ("radar_realtime_wishes_refused", "gauge", "Real-time wishes that the system has refused", |health| {
-        Wish::names(health.refused).len() as f64
+    ("radar_realtime_settings_refused", "gauge", "Real-time settings that the system has refused", |health| {
+        RealtimeSetting::names(health.refused).len() as f64
     }),
 ];
 
@@ -126,21 +125,23 @@ fn page(board: &Board) -> String {
     };
     for (name, kind, help, value) in FIGURES {
         head(&mut text, name, kind, help);
-        for (process, health, _) in board.all() {
-            let _ = writeln!(text, "{name}{{process=\"{process}\"}} {}", value(health));
-        }
+        for_each_process(board, |labels, health| {
+            let _ = writeln!(text, "{name}{{{labels}}} {}", value(health));
+        });
     }
     head(&mut text, "radar_starts_total", "counter", "Starts of the process, whoever started it");
-    for (process, starts) in board.starts() {
-        let _ = writeln!(text, "radar_starts_total{{process=\"{process}\"}} {starts}");
-    }
-    head(&mut text, "radar_condition", "gauge", "1 for what the watchdog of the process says");
-    for (process, health, _) in board.all() {
-        for condition in [Condition::Fine, Condition::UpstreamSilent, Condition::Slow] {
-            let is = u32::from(condition as u32 == health.condition);
-            let _ = writeln!(text, "radar_condition{{process=\"{process}\",condition=\"{}\"}} {is}", condition.text());
+    for (site, of_site) in board.sites() {
+        for (process, starts) in of_site.starts() {
+            let _ = writeln!(text, "radar_starts_total{{{}}} {starts}", labels(site, process));
         }
     }
+    head(&mut text, "radar_condition", "gauge", "1 for what the watchdog of the process says");
+    for_each_process(board, |labels, health| {
+        for condition in [Condition::Fine, Condition::UpstreamSilent, Condition::Slow] {
+            let is = u32::from(condition as u32 == health.condition);
+            let _ = writeln!(text, "radar_condition{{{labels},condition=\"{}\"}} {is}", condition.text());
+        }
+    });
     for (name, help, count) in [
         (
             "radar_messages_received_total",
@@ -150,52 +151,92 @@ fn page(board: &Board) -> String {
         ("radar_messages_lost_total", "Messages missing, from gaps of the sequence numbers", |intake| intake.lost),
     ] {
         head(&mut text, name, "counter", help);
-        for (process, health, _) in board.all() {
-            for (topic, intake) in TOPIC_NAMES.iter().zip(&health.intake).filter(|(_, intake)| intake.received > 0) {
-                let _ = writeln!(text, "{name}{{process=\"{process}\",topic=\"{topic}\"}} {}", count(intake));
+        for_each_process(board, |labels, health| {
+            for (topic, intake) in health.inputs().filter(|(_, intake)| intake.received > 0) {
+                let _ = writeln!(text, "{name}{{{labels},topic=\"{topic}\"}} {}", count(intake));
             }
-        }
+        });
     }
     head(&mut text, "radar_rejected_total", "counter", "Input that could not be used, by reason");
-    for (process, health, _) in board.all() {
-        for (reason, count) in REJECT_NAMES.iter().zip(health.rejected).filter(|&(_, count)| count > 0) {
-            let _ = writeln!(text, "radar_rejected_total{{process=\"{process}\",reason=\"{reason}\"}} {count}");
+    for_each_process(board, |labels, health| {
+        for (reason, count) in health.rejected() {
+            let _ = writeln!(text, "radar_rejected_total{{{labels},reason=\"{reason}\"}} {count}");
         }
-    }
-    let Some(recorder) = board.of("recorder") else { return text };
-    let named = || LATENCY_NAMES.iter().zip(&recorder.latency).filter(|(_, latency)| latency.n > 0);
+    });
+    head(
+        &mut text,
+        "radar_observer_lost_total",
+        "counter",
+        "Messages that the full queue of an observer has discarded",
+    );
+    for_each_process(board, |labels, health| {
+        for of in health.observers() {
+            let (topic, observer) = (of.topic, escaped(of.observer.as_str()));
+            let labels = format!("{labels},topic=\"{topic}\",observer=\"{observer}\"");
+            let _ = writeln!(text, "radar_observer_lost_total{{{labels}}} {}", of.lost);
+        }
+    });
     head(&mut text, "radar_latency_seconds", "summary", "Latencies of the whole run so far");
-    for (name, latency) in named() {
+    for_each_latency(board, |labels, latency| {
         for (quantile, us) in [("0.5", latency.p50_us), ("0.99", latency.p99_us)] {
             let seconds = f64::from(us) * 1e-6;
-            let _ = writeln!(text, "radar_latency_seconds{{latency=\"{name}\",quantile=\"{quantile}\"}} {seconds:e}");
+            let _ = writeln!(text, "radar_latency_seconds{{{labels},quantile=\"{quantile}\"}} {seconds:e}");
         }
-        let _ = writeln!(text, "radar_latency_seconds_count{{latency=\"{name}\"}} {}", latency.n);
-    }
+        let _ = writeln!(text, "radar_latency_seconds_count{{{labels}}} {}", latency.n);
+    });
     head(&mut text, "radar_budget_misses_total", "counter", "Scans with a latency above its limit");
-    for (name, latency) in named() {
-        let _ = writeln!(text, "radar_budget_misses_total{{latency=\"{name}\"}} {}", latency.misses);
-    }
+    for_each_latency(board, |labels, latency| {
+        let _ = writeln!(text, "radar_budget_misses_total{{{labels}}} {}", latency.misses);
+    });
     text
+}
+
+fn labels(site: &str, process: &str) -> String {
+    format!("site=\"{site}\",process=\"{}\"", escaped(process))
+}
+
+/// A value of a label, as the exposition format wants it.
+fn escaped(value: &str) -> String {
+    value.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n")
+}
+
+/// Calls `write` with the labels and the health of every process.
+fn for_each_process(board: &Board, mut write: impl FnMut(&str, &Health)) {
+    for (site, of_site) in board.sites() {
+        for (process, health, _) in of_site.all() {
+            write(&labels(site, process), health);
+        }
+    }
+}
+
+/// Calls `write` with the labels and the summary of every latency that has values.
+fn for_each_latency(board: &Board, mut write: impl FnMut(&str, &LatencySummary)) {
+    let recorder = |of_site: &SiteBoard| of_site.of(recorder::process::NAME).copied();
+    for (site, health) in board.sites().filter_map(|(site, of_site)| Some((site, recorder(of_site)?))) {
+        for (name, latency) in LATENCY_NAMES.iter().zip(&health.latency).filter(|(_, latency)| latency.n > 0) {
+            write(&format!("site=\"{site}\",latency=\"{name}\""), latency);
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::config::{ChainConfig, Sites};
 
     #[test]
     fn a_process_that_has_fallen_silent_is_not_up() {
         for (age_s, ended, up) in [(1, 0, 1), (11, 0, 0), (1, 1, 0)] {
             let heartbeat_ns = monotonic_ns().saturating_sub(age_s * 1_000_000_000);
             let mut health = Health { heartbeat_ns, ended, ..Health::default() };
-            health.set_process("tracker");
-            let mut board = Board::default();
-            board.take(&health);
+            health.process = "tracker".into();
+            let mut board = Board::new(&Sites::one(ChainConfig::default()));
+            board.note(&health);
             let text = page(&board);
             health.session += 1;
-            board.take(&health);
-            assert!(page(&board).contains("radar_starts_total{process=\"tracker\"} 2\n"));
-            assert!(text.contains(&format!("radar_up{{process=\"tracker\"}} {up}\n")), "{text}");
+            board.note(&health);
+            assert!(page(&board).contains("radar_starts_total{site=\"site1\",process=\"tracker\"} 2\n"));
+            assert!(text.contains(&format!("radar_up{{site=\"site1\",process=\"tracker\"}} {up}\n")), "{text}");
         }
     }
 }

@@ -1,68 +1,14 @@
-//! The processes of the chain as this program starts them: it is all of them, by its arguments.
+//! One supervised process: started, started again after a pause that grows, ended.
 
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use clap::ValueEnum;
-use common::config::{ChainConfig, SupervisionConfig};
-use common::process::{EXIT_BAD_USAGE, EXIT_CHECK_BROKEN, StageArgs};
+use common::config::SupervisionConfig;
+use common::process::{EXIT_BAD_USAGE, EXIT_CHECK_BROKEN};
 use rustix::process::Signal;
 
-use crate::child::Process;
-
-/// Processes that the launcher can start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum StageName {
-    RadarSim,
-    PlotSource,
-    Replay,
-    PlotExtractor,
-    Tracker,
-    Recorder,
-    Keeper,
-}
-
-impl StageName {
-    /// Name of the process.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::RadarSim => radar_sim::process::NAME,
-            Self::PlotSource => plot_source::process::NAME,
-            Self::Replay => recorder::replay_process::NAME,
-            Self::PlotExtractor => plot_extractor::process::NAME,
-            Self::Tracker => tracker::process::NAME,
-            Self::Recorder => recorder::process::NAME,
-            Self::Keeper => crate::keeper::NAME,
-        }
-    }
-
-    /// Runs the process in this one.
-    pub(crate) fn run(self, args: &StageArgs) -> anyhow::Result<ExitCode> {
-        match self {
-            Self::RadarSim => radar_sim::process::run(args),
-            Self::PlotSource => plot_source::process::run(args),
-            Self::Replay => recorder::replay_process::run(args),
-            Self::PlotExtractor => plot_extractor::process::run(args),
-            Self::Tracker => tracker::process::run(args),
-            Self::Recorder => recorder::process::run(args),
-            Self::Keeper => crate::keeper::keep(args),
-        }
-    }
-
-    /// Whether it drives the chain: its end is the end of the run.
-    pub(crate) fn is_source(self) -> bool {
-        matches!(self, Self::RadarSim | Self::PlotSource | Self::Replay)
-    }
-
-    /// The processes of `chain`, downstream first, so that consumers are there early.
-    pub(crate) fn of(chain: &ChainConfig) -> Vec<Self> {
-        let upstream = chain.upstream_of_recorder();
-        let all = [Self::Tracker, Self::PlotExtractor, Self::RadarSim, Self::PlotSource, Self::Replay];
-        let upstream = all.into_iter().filter(|stage| upstream.contains(&stage.name()));
-        std::iter::once(Self::Recorder).chain(upstream).collect()
-    }
-}
+use super::child::Process;
+use super::name::StageId;
 
 /// Longest pause before a restart: a stage is back within a scan or two even if it died often.
 const LONGEST_BACKOFF: Duration = Duration::from_secs(1);
@@ -74,7 +20,9 @@ const HEARD_ALL: Duration = Duration::from_millis(1500);
 /// One supervised process.
 #[derive(Debug)]
 pub(crate) struct Stage {
-    pub(crate) name: StageName,
+    pub(crate) id: StageId,
+    /// Since when it may hang: it is silent, and none of its consumers is.
+    pub(crate) suspected: Option<Instant>,
     pub(crate) restarts: u32,
     state: State,
     backoff: Duration,
@@ -115,26 +63,30 @@ pub(crate) enum Event {
 
 impl Stage {
     /// Starts a process with the configuration in `file` and `overrides`.
-    pub(crate) fn start(name: StageName, file: &Path, config: &SupervisionConfig) -> anyhow::Result<Self> {
-        let state = State::Running { process: Process::start(name, file, &[])?, since: Instant::now() };
-        Ok(Self { name, restarts: 0, state, backoff: Duration::from_secs_f64(config.backoff_s) })
+    pub(crate) fn start(id: StageId, file: &Path, config: &SupervisionConfig) -> anyhow::Result<Self> {
+        let state = State::Running { process: Process::start(&id, file, &[])?, since: Instant::now() };
+        Ok(Self::new(id, state, config))
     }
 
     /// Takes over a process that another launcher has started; one that is no more (`None`) is
     /// started again when everybody has had time to say where the run stands.
-    pub(crate) fn adopt(name: StageName, pid: Option<u32>, config: &SupervisionConfig) -> Self {
+    pub(crate) fn adopt(id: StageId, pid: Option<u32>, config: &SupervisionConfig) -> Self {
         let found = pid.and_then(Process::adopt);
         let state = match found {
             Some(process) => State::Running { process, since: Instant::now() },
             None => State::Waiting { until: Instant::now() + HEARD_ALL },
         };
-        Self { name, restarts: 0, state, backoff: Duration::from_secs_f64(config.backoff_s) }
+        Self::new(id, state, config)
+    }
+
+    fn new(id: StageId, state: State, config: &SupervisionConfig) -> Self {
+        Self { id, suspected: None, restarts: 0, state, backoff: first_pause(config) }
     }
 
     /// Starts it again. Where that fails the next attempt is due after a pause.
     pub(crate) fn restart(&mut self, file: &Path, overrides: &[String]) -> anyhow::Result<()> {
         self.restarts += 1;
-        match Process::start(self.name, file, overrides) {
+        match Process::start(&self.id, file, overrides) {
             Ok(process) => self.state = State::Running { process, since: Instant::now() },
             Err(error) => {
                 self.pause();
@@ -169,7 +121,7 @@ impl Stage {
                     }
                     _ => {
                         if lived > RECOVERED {
-                            self.backoff = Duration::from_secs_f64(config.backoff_s);
+                            self.backoff = first_pause(config);
                         }
                         self.pause();
                         return Ok(Event::Died(signal));
@@ -192,7 +144,7 @@ impl Stage {
     pub(crate) fn found_broken(&self) -> bool {
         match &self.state {
             State::Ended { broken } => *broken,
-            State::GivenUp => !self.name.is_source(),
+            State::GivenUp => !self.id.stage.is_source(),
             _ => false,
         }
     }
@@ -221,4 +173,9 @@ impl Stage {
             self.state = State::Ended { broken: true };
         }
     }
+}
+
+/// The pause before the first restart.
+fn first_pause(config: &SupervisionConfig) -> Duration {
+    Duration::try_from_secs_f64(config.backoff_s).map_or(LONGEST_BACKOFF, |pause| pause.min(LONGEST_BACKOFF))
 }

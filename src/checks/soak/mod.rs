@@ -18,17 +18,17 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use common::config::ChainConfig;
+use common::config::{ChainConfig, Sites};
 use common::latency::{LATENCY_NAMES, Latency};
 use common::latency_log::{self, Interval};
 use common::process::{BadInput, EXIT_CHECK_BROKEN, signals};
-use common::report::{Blocks, Percentiles, Report, Soak};
+use common::report::{Blocks, ChainReport, Percentiles, Report, Soak};
 
-use crate::board::Board;
 use crate::claim::Claim;
-use crate::run::{Companion, Outcome, launch};
-use crate::screen::Screen;
-use crate::supervisor::Supervisor;
+use crate::run::{Companion, launch};
+use crate::stages::supervisor::Supervisor;
+use crate::watch::board::Board;
+use crate::watch::screen::Screen;
 use reference::Reference;
 use resources::{Resources, Series};
 
@@ -48,23 +48,25 @@ pub(crate) struct Plan {
 }
 
 /// Runs the chain, measures it, judges it.
-pub(crate) fn soak(mut chain: ChainConfig, plan: &Plan) -> anyhow::Result<ExitCode> {
+pub(crate) fn soak(mut sites: Sites, plan: &Plan) -> anyhow::Result<ExitCode> {
     if plan.duration == Some(Duration::ZERO) {
         return Err(BadInput("--duration 0s: expected a time above 0".into()).into());
     }
-    let claim = Claim::take(&chain.ipc)?; // before anything of an earlier soak, which may still run, is touched
+    let claim = Claim::lock_domain(&sites.first().ipc)?; // before anything of an earlier soak, which may still run, is touched
     let refuse = |error: std::io::Error| BadInput(format!("folder of the soak {}: {error}", plan.out.display()));
     std::fs::create_dir_all(&plan.out).map_err(refuse)?;
     let out = std::path::absolute(&plan.out).map_err(refuse)?;
     let place = |name: &str| out.join(name).display().to_string();
-    chain.recorder.report = place("report.json");
-    chain.soak.log = place("latency.hlog");
+    sites.change(|site| {
+        site.recorder.report = place("report.json");
+        site.soak.log = place("latency.hlog");
+    });
+    let chain = sites.first();
     let resources = Resources::create(&out, Duration::from_secs_f64(chain.soak.interval_s))?;
-    let reference = plan.reference.then(|| Reference::of(&chain, &out));
+    let reference = plan.reference.then(|| Reference::new(&sites, &out));
     let mut companion =
         Watcher { duration: plan.duration, begun: None, resources, reference, ended: None, unwritten: None };
-    let limits = chain.clone();
-    let launched = launch(&claim, chain, &mut companion)?;
+    let launched = launch(&claim, sites.clone(), &mut companion)?;
     let Watcher { resources, reference, ended, unwritten, .. } = companion;
     drop(reference); // its logs are written when its processes have ended
     let series = match resources.finish() {
@@ -76,12 +78,44 @@ pub(crate) fn soak(mut chain: ChainConfig, plan: &Plan) -> anyhow::Result<ExitCo
         Err(code) => return Ok(code),
     };
     let asked = verdict::Asked { duration: plan.duration, ran: ended.unwrap_or_default(), stopped: signals() > 0 };
-    let report = conclude(&limits, outcome, &series, &asked, &out)?;
+    let mut report = outcome.report;
+    let mut ok = true;
+    let names = sites.names();
+    match &mut report {
+        ChainReport::One(only) => {
+            let logs = Logs { latencies: out.join("latency.hlog"), bare: out.clone(), results: out.clone() };
+            conclude(sites.first(), only, outcome.disturbed, &series, &asked, &logs)?;
+            ok &= only.soak.as_ref().is_some_and(|soak| soak.ok);
+        }
+        ChainReport::Several(several) => {
+            for (site, name) in sites.all().iter().zip(&names) {
+                let Some(of_site) = several.sites.get_mut(*name) else { continue };
+                // The bare hop is measured at the first site.
+                let bare = if *name == names[0] { out.clone() } else { out.join(name) };
+                let latencies = out.join(latency_log::of_site("latency.hlog", name));
+                let logs = Logs { latencies, bare, results: out.join(name) };
+                std::fs::create_dir_all(&logs.results).map_err(refuse)?;
+                conclude(site, of_site, outcome.disturbed, &series.of_site(name), &asked, &logs)?;
+                ok &= of_site.soak.as_ref().is_some_and(|soak| soak.ok);
+            }
+            std::fs::write(out.join("report.json"), report.to_json()).context("writing report.json")?;
+        }
+    }
     print!("{}", report.to_text());
-    print!("{}", verdict::to_text(&report));
+    for (name, of_site) in report.sites() {
+        print!("{}", verdict::to_text(of_site, sites.only().is_none().then_some(name)));
+    }
     println!("\nresults in {}: report.html, report.json, latency.hlog, resources.csv", plan.out.display());
-    let ok = report.soak.as_ref().is_some_and(|soak| soak.ok);
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::from(EXIT_CHECK_BROKEN) })
+}
+
+/// Where the logs of a soak are, and where its results go.
+struct Logs {
+    latencies: PathBuf,
+    /// Folder of the logs of the bare hops.
+    bare: PathBuf,
+    /// Folder of the report and its page.
+    results: PathBuf,
 }
 
 /// Notes resources while the chain runs, keeps the bare hop going, and ends both in time.
@@ -128,23 +162,20 @@ impl Companion for Watcher {
     }
 }
 
-/// Adds to the report what the soak has found, and writes it with its page.
+/// Adds to the report of a site what the soak has found, and writes it with its page.
 fn conclude(
     chain: &ChainConfig,
-    outcome: Outcome,
+    report: &mut Report,
+    disturbed: bool,
     series: &Series,
     asked: &verdict::Asked,
-    out: &Path,
-) -> anyhow::Result<Report> {
-    let read = |name: &str| {
-        let text = std::fs::read_to_string(out.join(name)).unwrap_or_default();
-        latency_log::read(&text)
-    };
-    let (intervals, mut bare) = (read("latency.hlog"), Vec::new());
+    logs: &Logs,
+) -> anyhow::Result<()> {
+    let read = |path: &Path| latency_log::read(&std::fs::read_to_string(path).unwrap_or_default());
+    let (intervals, mut bare) = (read(&logs.latencies), Vec::new());
     for latency in reference::LATENCIES_OF_HOPS {
-        bare.extend(read(&reference::log_name(latency)));
+        bare.extend(read(&logs.bare.join(reference::log_name(latency))));
     }
-    let mut report = outcome.report;
     let mut soak = Soak {
         blocks: LATENCY_NAMES
             .iter()
@@ -174,17 +205,17 @@ fn conclude(
             soak.ratio_to_reference.insert(name.into(), hop.p50 / reference.p50);
         }
     }
-    soak.findings = verdict::findings(chain, &report, &soak, asked, outcome.disturbed);
+    soak.findings = verdict::findings(chain, report, &soak, asked, disturbed);
     soak.findings.extend(series.unwritten.clone());
     soak.ok = soak.findings.is_empty();
     report.soak = Some(soak);
     let write = |name: &str, text: String| {
-        let path = out.join(name);
+        let path = logs.results.join(name);
         std::fs::write(&path, text).with_context(|| format!("writing {}", path.display()))
     };
     write("report.json", report.to_json())?;
-    write("report.html", page::html(chain, &report, series, &latency_log::merged(&intervals), &bare))?;
-    Ok(report)
+    write("report.html", page::html(chain, report, series, &latency_log::merged(&intervals), &bare))?;
+    Ok(())
 }
 
 /// One latency over the run, at most [`BLOCKS`] blocks.

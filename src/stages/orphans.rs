@@ -3,12 +3,13 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use clap::ValueEnum;
-use common::config::ChainConfig;
-use common::ipc::Domain;
+use common::config::Sites;
+use common::ipc::{Domain, Inhabitant};
 use common::process::BadInput;
+use common::topology::Stage;
 
-use crate::stage::StageName;
+use super::name::{StageId, label};
+use crate::keeper;
 
 /// Passing visitors of a domain, such as `radar-chain status`, have left after this time.
 const VISIT: Duration = Duration::from_secs(3);
@@ -17,14 +18,14 @@ const VISIT: Duration = Duration::from_secs(3);
 #[derive(Debug)]
 pub(crate) struct Orphans {
     /// The configuration they run with.
-    pub(crate) chain: ChainConfig,
-    /// Names and process identifiers.
-    processes: Vec<(String, u32)>,
+    pub(crate) sites: Sites,
+    processes: Vec<Inhabitant>,
 }
 
 impl Orphans {
-    /// The orphans of the domain of `chain`, if there are any. The caller has the claim: no launcher lives.
-    pub(crate) fn find(chain: &ChainConfig) -> anyhow::Result<Option<Self>> {
+    /// The orphans of a chain, if there are any. The caller has the claim: no launcher lives.
+    pub(crate) fn find(sites: &Sites) -> anyhow::Result<Option<Self>> {
+        let chain = sites.first();
         let root = Domain::root(&chain.ipc);
         if !root.exists() {
             return Ok(None);
@@ -43,7 +44,9 @@ impl Orphans {
             return Ok(None);
         }
         let refuse = |what: &str| {
-            let names: Vec<&str> = processes.iter().map(|(name, _)| name.as_str()).collect();
+            let several = sites.only().is_none();
+            let name = |of: &Inhabitant| label(several.then_some(of.site.as_str()), &of.process);
+            let names: Vec<String> = processes.iter().map(name).collect();
             let prefix = &chain.ipc.prefix;
             BadInput(format!(
                 "{} already run in the domain `{prefix}` {what}: stop them, or use another --ipc-prefix",
@@ -54,33 +57,35 @@ impl Orphans {
         if !file.exists() {
             return Err(refuse("without a launcher").into());
         }
-        let running = common::config::load(Some(&file), &[])?;
-        let mut wanted = chain.clone();
-        wanted.run.id.clone_from(&running.run.id);
+        let running = common::config::load_sites(Some(&file), &[])?;
+        let mut wanted = sites.clone();
+        wanted.change(|site| site.run.id.clone_from(&running.first().run.id));
         if wanted != running {
             return Err(refuse("with another configuration").into());
         }
         // They were started there, and their relative paths hold there.
-        let folder = std::fs::read_link(format!("/proc/{}/cwd", processes[0].1)).context("folder of the chain")?;
+        let folder = std::fs::read_link(format!("/proc/{}/cwd", processes[0].pid)).context("folder of the chain")?;
         std::env::set_current_dir(&folder).with_context(|| format!("folder of the chain {}", folder.display()))?;
-        Ok(Some(Self { chain: running, processes }))
+        Ok(Some(Self { sites: running, processes }))
     }
 
     /// Whether no stage of any chain lives in the domain: then its files can go.
-    pub(crate) fn are_gone(chain: &ChainConfig) -> anyhow::Result<bool> {
-        Ok(Self::living(&Domain::enter(&chain.ipc)?).0.is_empty())
+    pub(crate) fn are_gone(sites: &Sites) -> anyhow::Result<bool> {
+        Ok(Self::living(&Domain::enter(&sites.first().ipc)?).0.is_empty())
     }
 
     /// The stages that live in a domain, and how many processes do in all.
-    fn living(domain: &Domain) -> (Vec<(String, u32)>, usize) {
+    fn living(domain: &Domain) -> (Vec<Inhabitant>, usize) {
         let mut inhabitants = domain.inhabitants();
         let all = inhabitants.len();
-        inhabitants.retain(|(name, _)| StageName::value_variants().iter().any(|stage| stage.name() == name));
+        inhabitants.retain(|of| of.process == keeper::NAME || Stage::from_name(&of.process).is_some());
         (inhabitants, all)
     }
 
     /// The process of a stage.
-    pub(crate) fn process(&self, stage: StageName) -> Option<u32> {
-        self.processes.iter().find(|(name, _)| name == stage.name()).map(|&(_, pid)| pid)
+    pub(crate) fn process(&self, id: &StageId) -> Option<u32> {
+        let is_it =
+            |of: &&Inhabitant| of.process == id.process() && id.site_name.as_ref().is_none_or(|site| *site == of.site);
+        self.processes.iter().find(is_it).map(|of| of.pid)
     }
 }

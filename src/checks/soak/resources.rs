@@ -9,7 +9,7 @@ use anyhow::Context;
 use common::units::MIB;
 use serde::{Deserialize, Serialize};
 
-use crate::board::Board;
+use crate::watch::board::Board;
 
 /// Rows that memory growth can be told from: at least one in each tenth of the run.
 const ROWS: usize = 10;
@@ -58,7 +58,7 @@ impl Resources {
         for (process, health, cpu_share) in board.all() {
             let row = Row {
                 t_s: elapsed.as_secs_f64(),
-                process: process.to_string(),
+                process,
                 pid: health.pid,
                 scan: health.scan,
                 rss_bytes: health.rss_bytes,
@@ -96,6 +96,15 @@ pub(super) struct Series {
 }
 
 impl Series {
+    /// The processes of one of several sites, and those that serve all.
+    pub(super) fn of_site(&self, site: &str) -> Self {
+        let of_site = |(name, rows): (&String, &Vec<Row>)| match name.split_once('/') {
+            Some((of, process)) => (of == site).then(|| (process.to_string(), rows.clone())),
+            None => Some((name.clone(), rows.clone())),
+        };
+        Self { by_process: self.by_process.iter().filter_map(of_site).collect(), unwritten: self.unwritten.clone() }
+    }
+
     /// Private memory gained after the first share `warm_up` of the run, MiB: median of the last tenth less median
     /// of the tenth after warm-up. Shared memory is reserved at the start and cannot grow; what a process has touched of it can.
     /// Of a process that was restarted, or measured for too short a time, it says why it has none.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
-use common::config::{ChainConfig, Source, Speed};
+use common::config::{ChainConfig, Sites, Source, Speed};
 use common::ipc::{HopReceiver, HopSender, Station};
 use common::latency::{LATENCY_NAMES, Latency};
 use common::latency_log::LatencyLog;
@@ -57,17 +57,21 @@ pub(super) fn log_name(latency: Latency) -> String {
 
 /// The processes of the bare hops.
 pub(super) struct Reference {
+    /// The site that the bare hops are compared with: the first one.
     chain: ChainConfig,
+    /// Whether there are others.
+    several: bool,
     out: PathBuf,
     children: Vec<Child>,
 }
 
 impl Reference {
-    pub(super) fn of(chain: &ChainConfig, out: &Path) -> Self {
+    pub(super) fn new(sites: &Sites, out: &Path) -> Self {
         for latency in LATENCIES_OF_HOPS {
             let _ = std::fs::remove_file(out.join(log_name(latency))); // of an earlier soak
         }
-        Self { chain: chain.clone(), out: out.to_path_buf(), children: Vec::new() }
+        let several = sites.only().is_none();
+        Self { chain: sites.first().clone(), several, out: out.to_path_buf(), children: Vec::new() }
     }
 
     /// Starts the processes.
@@ -86,6 +90,9 @@ impl Reference {
                     .arg("--log")
                     .arg(self.out.join(log_name(latency)));
                 command.arg("--config").arg(&configuration).stdin(Stdio::null());
+                if self.several {
+                    command.arg("--site").arg(&self.chain.site.name);
+                }
                 self.children.push(command.spawn().context("starting the bare hop")?);
             }
         }

@@ -4,14 +4,13 @@ use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::time::{Duration, Instant};
 
-use common::config::ChainConfig;
+use common::config::{ChainConfig, Sites};
 use common::latency::LATENCY_NAMES;
-use common::services::{TOPIC_NAMES, Topic};
 use crossterm::cursor::MoveToPreviousLine;
 use crossterm::terminal::{Clear, ClearType, size};
 use crossterm::{QueueableCommand, execute};
 
-use crate::board::Board;
+use super::board::{Board, SiteBoard, data_inputs};
 
 /// Between two pictures in a terminal.
 const REDRAW: Duration = Duration::from_millis(250);
@@ -40,7 +39,7 @@ impl Screen {
     }
 
     /// Shows the state of the chain if it is time to.
-    pub(crate) fn show(&mut self, chain: &ChainConfig, board: &Board) {
+    pub(crate) fn show(&mut self, sites: &Sites, board: &Board) {
         let pause = if self.terminal { REDRAW } else { LINE };
         if board.is_empty() || self.last.is_some_and(|last| last.elapsed() < pause) {
             return;
@@ -51,9 +50,9 @@ impl Screen {
             format!("{}:{:02}:{:02} left  ", s / 3600, s / 60 % 60, s % 60)
         });
         if self.terminal {
-            self.draw(&format!("{left}{}", picture(chain, board)));
+            self.draw(&format!("{left}{}", picture(sites, board)));
         } else {
-            common::process::tell(&format!("{left}{}", line(chain, board)));
+            common::process::tell(&format!("{left}{}", line(sites, board)));
         }
     }
 
@@ -99,13 +98,10 @@ struct Headline {
 }
 
 impl Headline {
-    fn of(board: &Board) -> Self {
-        let scan = ["radar-sim", "plot-source", "replay"]
-            .iter()
-            .find_map(|source| board.of(source))
-            .map_or(0, |health| health.scan);
-        let tracker = board.of("tracker").copied().unwrap_or_default();
-        let plots = board.of("plot-extractor").map_or(tracker.plots, |health| health.plots);
+    fn of(board: &SiteBoard) -> Self {
+        let tracker = board.of(tracker::process::NAME).copied().unwrap_or_default();
+        let scan = board.source().map_or(tracker.scan, |source| source.scan);
+        let plots = board.of(plot_extractor::process::NAME).map_or(tracker.plots, |health| health.plots);
         Self { scan, plots, confirmed: tracker.confirmed, alive: tracker.tracks }
     }
 }
@@ -115,41 +111,57 @@ fn scan_of(chain: &ChainConfig, scan: u32) -> String {
 }
 
 /// One line of status.
-fn line(chain: &ChainConfig, board: &Board) -> String {
-    let now = Headline::of(board);
-    let mut text = format!(
-        "{}  {} plots  {} tracks confirmed, {} alive  {} lost",
-        scan_of(chain, now.scan),
-        now.plots,
-        now.confirmed,
-        now.alive,
-        board.lost()
-    );
-    if let Some(recorder) = board.of("recorder") {
-        let latency = recorder.latency[common::latency::Latency::EndToEnd as usize];
-        if latency.n > 0 {
-            let _ = write!(text, "  end to end p50 {:.0} µs, p99 {:.0} µs", latency.p50_us, latency.p99_us);
+fn line(sites: &Sites, board: &Board) -> String {
+    let mut text = String::new();
+    for (chain, (name, board)) in sites.all().iter().zip(board.sites()) {
+        let now = Headline::of(board);
+        if sites.only().is_none() {
+            let _ = write!(text, "{}{name}: ", if text.is_empty() { "" } else { "   " });
+        }
+        let _ = write!(
+            text,
+            "{}  {} plots  {} tracks confirmed, {} alive  {} lost",
+            scan_of(chain, now.scan),
+            now.plots,
+            now.confirmed,
+            now.alive,
+            board.lost()
+        );
+        if let Some(recorder) = board.of(recorder::process::NAME) {
+            let latency = recorder.latency[common::latency::Latency::EndToEnd as usize];
+            if latency.n > 0 {
+                let _ = write!(text, "  end to end p50 {:.0} µs, p99 {:.0} µs", latency.p50_us, latency.p99_us);
+            }
         }
     }
     text
 }
 
-/// The whole status: headline, processes, latencies.
-pub(crate) fn picture(chain: &ChainConfig, board: &Board) -> String {
-    let now = Headline::of(board);
+/// The whole status, site by site: headline, processes, latencies.
+pub(crate) fn picture(sites: &Sites, board: &Board) -> String {
     let mut text = String::new();
+    for (index, (chain, (_, of_site))) in sites.all().iter().zip(board.sites()).enumerate() {
+        if index > 0 {
+            text.push('\n');
+        }
+        write_site(&mut text, chain, of_site, board.restarts());
+    }
+    text
+}
+
+fn write_site(text: &mut String, chain: &ChainConfig, board: &SiteBoard, restarts: u32) {
+    let now = Headline::of(board);
     let _ = writeln!(
         text,
-        "{}  {}  {}  {}   {} plots a scan   {} tracks confirmed, {} alive   {} lost   {} restarts",
+        "{}  {}  {}  {}   {} lost   {restarts} restarts   {} tracks confirmed, {} alive   {} plots a scan",
         chain.site.name,
         chain.run.mode.name(),
         chain.run.speed,
         scan_of(chain, now.scan),
-        now.plots,
+        board.lost(),
         now.confirmed,
         now.alive,
-        board.lost(),
-        board.of("radar-chain").map_or(0, |launcher| launcher.restarts)
+        now.plots,
     );
     let _ = writeln!(text, "\n{:<16}{:>7}{:>10}{:>12}{:>10}   lost", "process", "CPU %", "MiB", "sent", "rejected");
     for (name, health, cpu_share) in board.all() {
@@ -159,32 +171,30 @@ pub(crate) fn picture(chain: &ChainConfig, board: &Board) -> String {
             cpu_share * 100.0,
             health.rss_bytes as f64 / f64::from(1 << 20),
             health.messages_out,
-            health.rejected.iter().sum::<u64>()
+            health.rejected().map(|(_, count)| count).sum::<u64>()
         );
-        for topic in [Topic::Dwells, Topic::Plots, Topic::Tracks, Topic::Truth] {
-            let intake = health.intake[topic as usize];
-            if intake.received > 0 {
-                let _ = write!(text, "   {} {}", intake.lost, TOPIC_NAMES[topic as usize]);
-            }
+        for (topic, intake) in data_inputs(health).filter(|(_, intake)| intake.received > 0) {
+            let _ = write!(text, "   {} {topic}", intake.lost);
         }
         text.push('\n');
     }
-    if let Some(recorder) = board.of("recorder") {
-        let _ = writeln!(text, "\n{:<16}{:>9}{:>9}   budget", "latency µs", "p50", "p99");
-        for ((name, latency), budget) in LATENCY_NAMES.iter().zip(recorder.latency).zip(chain.budget.all()) {
-            if latency.n > 0 {
-                let limits: Vec<String> =
-                    budget.limits().map(|(percentile, limit_us)| format!("p{percentile} ≤ {limit_us:.0}")).collect();
-                let _ = writeln!(
-                    text,
-                    "{name:<16}{:>9.0}{:>9.0}   {}, {} misses",
-                    latency.p50_us,
-                    latency.p99_us,
-                    limits.join(", "),
-                    latency.misses
-                );
-            }
+    for of in board.observers() {
+        let _ = writeln!(text, "observer {} has missed {} {}", of.observer, of.lost, of.topic);
+    }
+    let Some(recorder) = board.of(recorder::process::NAME) else { return };
+    let _ = writeln!(text, "\n{:<16}{:>9}{:>9}   budget", "latency µs", "p50", "p99");
+    for ((name, latency), budget) in LATENCY_NAMES.iter().zip(recorder.latency).zip(chain.budget.all()) {
+        if latency.n > 0 {
+            let limits: Vec<String> =
+                budget.limits().map(|(percentile, limit_us)| format!("p{percentile} ≤ {limit_us:.0}")).collect();
+            let _ = writeln!(
+                text,
+                "{name:<16}{:>9.0}{:>9.0}   {}, over budget in {} scans",
+                latency.p50_us,
+                latency.p99_us,
+                limits.join(", "),
+                latency.misses
+            );
         }
     }
-    text
 }

@@ -6,32 +6,35 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use chacha20::ChaCha8Rng;
-use common::config::{ChainConfig, Speed};
+use common::config::{ChainConfig, Sites, Speed};
 use common::ipc::Domain;
 use common::process::EXIT_CHECK_BROKEN;
 use common::random::{Purpose, generator};
-use common::report::{Book, Report};
+use common::report::{Book, ChainReport};
+use common::topic::Topic;
+use common::topology::Role;
 use rand::RngExt;
 use rustix::process::{Pid, Signal, kill_process};
 
-use crate::board::Board;
 use crate::claim::Claim;
 use crate::run::{Companion, launch};
-use crate::screen::Screen;
-use crate::stage::StageName;
-use crate::supervisor::Supervisor;
+use crate::stages::name::StageId;
+use crate::stages::supervisor::Supervisor;
+use crate::watch::board::Board;
+use crate::watch::screen::Screen;
 
 /// Scans within which a stage has to be back.
 const BACK_WITHIN: f64 = 2.0;
 /// The chain is left alone for up to so many scans between a return and the next kill.
 const REST_SCANS: f64 = 1.0;
 /// A stage that is not back after this time never will be.
-const PATIENCE: Duration = Duration::from_secs(60);
+const RETURN_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Kills, checks, and says what was found.
-pub(crate) fn chaos(mut chain: ChainConfig, kills: u32) -> anyhow::Result<ExitCode> {
-    chain.run.scans = 0; // it ends after the last kill
-    let scan_s = scan_seconds(&chain);
+pub(crate) fn chaos(mut sites: Sites, kills: u32) -> anyhow::Result<ExitCode> {
+    sites.change(|site| site.run.scans = 0); // it ends after the last kill
+    let chain = sites.first();
+    let scan_s = sites.all().iter().map(scan_seconds).fold(0.0, f64::max);
     let mut monkey = Monkey {
         rng: generator(chain.run.seed, Purpose::Chaos, 0, 0),
         scan_s,
@@ -40,16 +43,19 @@ pub(crate) fn chaos(mut chain: ChainConfig, kills: u32) -> anyhow::Result<ExitCo
         returns: Vec::new(),
     };
     let ipc = chain.ipc.clone();
-    let outcome = match launch(&Claim::take(&ipc)?, chain, &mut monkey)? {
+    let outcome = match launch(&Claim::lock_domain(&ipc)?, sites, &mut monkey)? {
         Ok(outcome) => outcome,
         Err(code) => return Ok(code),
     };
     let mut findings = monkey.findings(kills);
     print!("{}", monkey.table());
     print!("{}", books_table(&outcome.report));
-    findings.extend(outcome.report.books.iter().filter(|book| !book.balances()).map(unbalanced));
+    let reports = outcome.report.sites();
+    let books = reports.iter().flat_map(|(_, report)| &report.books);
+    findings.extend(books.filter(|book| !book.balances()).map(unbalanced));
     findings.extend(Domain::remains(&ipc).into_iter().map(|file| format!("left behind: {file}")));
-    findings.extend(outcome.report.recording.iter().flat_map(|part| recordings(Path::new(part))));
+    let parts = reports.iter().filter_map(|(_, report)| report.recording.as_ref());
+    findings.extend(parts.flat_map(|part| recordings(Path::new(part))));
     for finding in &findings {
         println!("BROKEN {finding}");
     }
@@ -84,36 +90,36 @@ enum State {
     /// The chain works; the next kill comes then.
     Resting { until: Option<Instant> },
     /// A stage was killed and is not back yet.
-    Waiting { stage: StageName, pid: u32, killed: Instant },
+    Waiting { stage: StageId, pid: u32, killed: Instant },
     /// All has been done.
     Done,
 }
 
 /// A stage that came back.
 struct Return {
-    stage: StageName,
+    stage: StageId,
     after_s: f64,
 }
 
 impl Companion for Monkey {
     fn look(&mut self, board: &Board, supervisor: &mut Supervisor, screen: &mut Screen) -> anyhow::Result<()> {
-        match self.state {
+        match &self.state {
             State::Done => {}
             State::Waiting { stage, pid, killed } => {
-                let back = board.of(stage.name()).is_some_and(|health| health.pid != pid && works(stage, health));
+                let back = board.of(stage).is_some_and(|health| health.pid != *pid && works(stage, health));
                 if back {
-                    self.returns.push(Return { stage, after_s: killed.elapsed().as_secs_f64() });
+                    self.returns.push(Return { stage: stage.clone(), after_s: killed.elapsed().as_secs_f64() });
                     self.state = State::Resting { until: None };
-                } else if killed.elapsed() > PATIENCE {
+                } else if killed.elapsed() > RETURN_TIMEOUT {
                     self.left = 0;
                     self.state = State::Done;
                     supervisor.stop();
                 }
             }
             State::Resting { until: None } => {
-                let running: Vec<(StageName, u32)> = supervisor.running().collect();
-                let at_work = |&(stage, pid): &(StageName, u32)| {
-                    board.of(stage.name()).is_some_and(|health| health.pid == pid && works(stage, health))
+                let running: Vec<(&StageId, u32)> = supervisor.running().collect();
+                let at_work = |&(stage, pid): &(&StageId, u32)| {
+                    board.of(stage).is_some_and(|health| health.pid == pid && works(stage, health))
                 };
                 if running.len() == supervisor.stages() && running.iter().all(at_work) {
                     // At least one scan at the end, so that all is seen to work on.
@@ -122,20 +128,20 @@ impl Companion for Monkey {
                         State::Resting { until: Some(Instant::now() + Duration::from_secs_f64(scans * self.scan_s)) };
                 }
             }
-            State::Resting { until: Some(until) } if Instant::now() < until => {}
+            State::Resting { until: Some(until) } if Instant::now() < *until => {}
             State::Resting { .. } if self.left == 0 => {
                 self.state = State::Done;
                 supervisor.stop();
             }
             State::Resting { .. } => {
-                let running: Vec<(StageName, u32)> = supervisor.running().collect();
+                let running: Vec<(&StageId, u32)> = supervisor.running().collect();
                 let (stage, pid) = running[self.rng.random_range(0..running.len())];
                 self.left -= 1;
-                screen.say(&format!("chaos: killing {} ({} left)", stage.name(), self.left));
+                screen.say(&format!("chaos: killing {stage} ({} left)", self.left));
                 if let Some(process) = Pid::from_raw(pid.cast_signed()) {
                     let _ = kill_process(process, Signal::KILL);
                 }
-                self.state = State::Waiting { stage, pid, killed: Instant::now() };
+                self.state = State::Waiting { stage: stage.clone(), pid, killed: Instant::now() };
             }
         }
         Ok(())
@@ -143,27 +149,28 @@ impl Companion for Monkey {
 }
 
 /// Whether a process does its work: it publishes, or receives what it is to record.
-fn works(stage: StageName, health: &common::health::Health) -> bool {
-    let received = health.intake[common::services::Topic::Tracks as usize].received;
-    health.ended == 0 && if stage == StageName::Recorder { received > 0 } else { health.messages_out > 0 }
+fn works(stage: &StageId, health: &common::health::Health) -> bool {
+    let received = health.intake(Topic::Tracks).received;
+    health.ended == 0 && if stage.stage.role == Role::Recorder { received > 0 } else { health.messages_out > 0 }
 }
 
 impl Monkey {
     /// Returns by stage.
     fn table(&self) -> String {
         let mut text = format!("\n{:<16}{:>7}{:>14}{:>14}\n", "stage", "kills", "back, median", "slowest");
-        let mut stages: Vec<StageName> = Vec::new();
-        self.returns.iter().for_each(|back| {
-            if !stages.contains(&back.stage) {
-                stages.push(back.stage);
-            }
-        });
+        let mut stages: Vec<String> = self.returns.iter().map(|back| back.stage.label()).collect();
+        stages.sort_unstable();
+        stages.dedup();
         for stage in stages {
-            let mut times: Vec<f64> =
-                self.returns.iter().filter(|back| back.stage == stage).map(|back| back.after_s / self.scan_s).collect();
+            let mut times: Vec<f64> = self
+                .returns
+                .iter()
+                .filter(|back| back.stage.label() == stage)
+                .map(|back| back.after_s / self.scan_s)
+                .collect();
             times.sort_by(f64::total_cmp);
             let (count, median, slowest) = (times.len(), times[times.len() / 2], times[times.len() - 1]);
-            let _ = writeln!(text, "{:<16}{count:>7}{median:>8.2} scans{slowest:>8.2} scans", stage.name());
+            let _ = writeln!(text, "{stage:<16}{count:>7}{median:>8.2} scans{slowest:>8.2} scans");
         }
         text
     }
@@ -175,17 +182,21 @@ impl Monkey {
         }
         for back in self.returns.iter().filter(|back| back.after_s > BACK_WITHIN * self.scan_s) {
             let scans = back.after_s / self.scan_s;
-            findings.push(format!("{} was back after {scans:.1} scans, {BACK_WITHIN} allowed", back.stage.name()));
+            findings.push(format!("{} was back after {scans:.1} scans, {BACK_WITHIN} allowed", back.stage));
         }
         findings
     }
 }
 
 /// The books for a terminal.
-fn books_table(report: &Report) -> String {
-    let mut text = format!("\n{:<10}{:<16}{:>12}{:>12}{:>10}\n", "topic", "consumer", "sent", "received", "lost");
-    for Book { topic, consumer, sent, received, lost } in &report.books {
-        let _ = writeln!(text, "{topic:<10}{consumer:<16}{sent:>12}{received:>12}{lost:>10}");
+fn books_table(report: &ChainReport) -> String {
+    let mut text = String::new();
+    for (site, report) in report.sites() {
+        let _ =
+            writeln!(text, "\n{:<10}{:<16}{:>12}{:>12}{:>10}  {site}", "topic", "consumer", "sent", "received", "lost");
+        for Book { topic, consumer, sent, received, lost } in &report.books {
+            let _ = writeln!(text, "{topic:<10}{consumer:<16}{sent:>12}{received:>12}{lost:>10}");
+        }
     }
     text
 }

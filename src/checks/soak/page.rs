@@ -1,4 +1,4 @@
-//! The report of a soak as one page that stands alone.
+//! The report of a soak as one self-contained page.
 
 use common::config::ChainConfig;
 use common::latency::LatencyHistograms;
@@ -70,7 +70,7 @@ fn data(
         "wall_s": report.wall_s,
         "scans": report.scans,
         "realtime_factor": report.realtime_factor,
-        "machine": crate::machine::describe(),
+        "machine": crate::checks::machine::describe(),
         "verdict": {"ok": soak.ok, "findings": soak.findings, "not_judged": soak.not_judged},
         "latency": latencies.named().filter(shown).map(latency).collect::<Map<_, _>>(),
         "reference": if reference.is_empty() { Value::Null } else { reference.into() },

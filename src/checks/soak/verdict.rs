@@ -36,7 +36,7 @@ pub(super) fn findings(
         findings.push(format!("{reached:.2} × real time reached, {factor} × asked for: the chain is too slow for it"));
     }
     // Dwells go to a plot extractor only.
-    let first = if chain.upstream_of_recorder().contains(&"plot-extractor") { 0 } else { Latency::HopPlots as usize };
+    let first = if chain.runs("plot-extractor") { 0 } else { Latency::HopPlots as usize };
     for name in &LATENCY_NAMES[first..] {
         if report.latency_us.get(*name).is_none_or(|latency| latency.n == 0) {
             findings.push(format!("{name}: no values, nothing is known of its budget"));
@@ -89,12 +89,12 @@ fn cut_short(chain: &ChainConfig, report: &Report, asked: &Asked) -> Option<Stri
     }
 }
 
-/// The soak's part of the report for a terminal.
-pub(super) fn to_text(report: &Report) -> String {
+/// The soak's part of the report for a terminal; `site` where there are several.
+pub(super) fn to_text(report: &Report, site: Option<&str>) -> String {
     let mut text = String::new();
     let Some(soak) = &report.soak else { return text };
     // Writing into a String cannot fail.
-    let _ = writeln!(text, "\nsoak");
+    let _ = writeln!(text, "\nsoak{}", site.map(|site| format!(" of {site}")).unwrap_or_default());
     if report.config.as_ref().is_some_and(|config| config.run.speed == Speed::Max) {
         let _ =
             writeln!(text, "  at full speed queues are full by design: only budgets given with --budget are judged");
@@ -120,14 +120,15 @@ pub(super) fn to_text(report: &Report) -> String {
         let _ = writeln!(
             text,
             "  {:<30}scan {scan}: {:.0} µs > {:.0} µs",
-            format!("miss of {latency}"),
+            format!("{latency} over budget"),
             miss.us,
             miss.limit_us
         );
     }
     let misses: u64 = report.budget.values().map(|budget| budget.misses).sum();
     if misses > 5 {
-        let _ = writeln!(text, "  {:<30}{misses} in all, the first of each latency in report.json", "misses");
+        let _ =
+            writeln!(text, "  {:<30}{misses} scans in all, the first of each latency in report.json", "over budget");
     }
     if soak.ok {
         let judged = if soak.not_judged.is_empty() { "all limits" } else { "all limits that could be judged" };

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use common::config::{ChainConfig, Scheduling};
+use common::config::{ChainConfig, Scheduling, Sites};
 use common::ipc::{Domain, free_bytes, shared_memory_needed};
 use common::process::EXIT_CHECK_BROKEN;
 use rustix::process::{Resource, getrlimit};
@@ -46,9 +46,10 @@ impl Finding {
 }
 
 /// Looks at everything; exit code 1 if the chain cannot run.
-pub(crate) fn doctor(chain: &ChainConfig, json: bool) -> anyhow::Result<ExitCode> {
+pub(crate) fn doctor(sites: &Sites, json: bool) -> anyhow::Result<ExitCode> {
+    let chain = sites.first();
     let findings = [
-        shared_memory(chain),
+        shared_memory(sites),
         writable(chain),
         processors(),
         governor(),
@@ -83,8 +84,8 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(path).unwrap_or_default().trim().to_string()
 }
 
-fn shared_memory(chain: &ChainConfig) -> Finding {
-    let (free, needed) = (free_bytes(), shared_memory_needed(chain) >> 20);
+fn shared_memory(sites: &Sites) -> Finding {
+    let (free, needed) = (free_bytes(), shared_memory_needed(sites) >> 20);
     let Some(free) = free.map(|free| free >> 20) else {
         return Finding::new("shared memory", "/dev/shm is not there").unless(
             true,
@@ -110,7 +111,7 @@ fn writable(chain: &ChainConfig) -> Finding {
 }
 
 fn processors() -> Finding {
-    let machine = crate::machine::describe();
+    let machine = super::machine::describe();
     Finding::new("processors", format!("{} × {}", machine.cores, machine.cpu)).unless(
         machine.cores < 2,
         Level::Note,
@@ -206,7 +207,7 @@ fn leftovers(chain: &ChainConfig) -> Finding {
     let mut dead: Vec<String> = prefixes
         .filter(|prefix| {
             let ipc = common::config::IpcConfig { prefix: prefix.clone(), ..chain.ipc.clone() };
-            !Claim::is_taken(&ipc) && Domain::enter(&ipc).is_ok_and(|domain| !domain.is_alive())
+            !Claim::is_locked(&ipc) && Domain::enter(&ipc).is_ok_and(|domain| !domain.is_alive())
         })
         .collect();
     // Files alone, without the folder that a living chain has; those of chains in another folder are not known here.
@@ -225,6 +226,6 @@ fn leftovers(chain: &ChainConfig) -> Finding {
 
 fn domain(chain: &ChainConfig) -> Finding {
     let prefix = &chain.ipc.prefix;
-    let found = if Claim::is_taken(&chain.ipc) { "a chain runs in" } else { "no chain runs in" };
+    let found = if Claim::is_locked(&chain.ipc) { "a chain runs in" } else { "no chain runs in" };
     Finding::new("domain", format!("{found} `{prefix}`"))
 }

@@ -9,7 +9,7 @@ use anyhow::Context;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open, pidfd_send_signal};
 
-use crate::stage::StageName;
+use super::name::StageId;
 
 /// One process.
 #[derive(Debug)]
@@ -32,16 +32,19 @@ const OWN_PROGRAM: &str = "/proc/self/exe";
 type Exit = (Option<i32>, Option<i32>);
 
 impl Process {
-    /// Starts this program as `name`. It gets a process group of its own: Ctrl-C in the
+    /// Starts this program as the stage `id`. It gets a process group of its own: Ctrl-C in the
     /// terminal must reach the launcher alone, which then ends the source first.
-    pub(crate) fn start(name: StageName, file: &Path, overrides: &[String]) -> anyhow::Result<Self> {
+    pub(crate) fn start(id: &StageId, file: &Path, overrides: &[String]) -> anyhow::Result<Self> {
         let mut command = Command::new(OWN_PROGRAM);
-        command.arg0(name.name()).arg("stage").arg(name.name()).arg("--config").arg(file);
+        command.arg0(id.label()).arg("stage").arg(id.process()).arg("--config").arg(file);
+        if let Some(site) = &id.site_name {
+            command.arg("--site").arg(site);
+        }
         for argument in overrides {
             command.arg("--set").arg(argument);
         }
         command.stdin(Stdio::null()).process_group(0);
-        Ok(Self::Own(command.spawn().with_context(|| format!("starting {}", name.name()))?))
+        Ok(Self::Own(command.spawn().with_context(|| format!("starting {id}"))?))
     }
 
     /// Takes over a living process.

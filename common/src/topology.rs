@@ -1,0 +1,226 @@
+//! The stages of a chain and what passes between them, in one table.
+//!
+//! ```text
+//! radar-sim ──dwells──▶ plot-extractor ──plots──▶ tracker ──tracks──▶ recorder
+//!     └──truth───────────────────────────────────────────────────────────▲
+//! plot-source, replay, a program of the user's: any of these topics ──────┘
+//! ```
+//!
+//! A publisher waits for the consumers that the table requires. Every other subscriber is an observer: its full queue
+//! discards messages, counted, and the chain goes on. Launcher, supervision, losses, books, status and metrics iterate over
+//! the table; a new stage is an entry here.
+
+use crate::config::{ChainConfig, Source};
+use crate::topic::Topic;
+
+/// A stage: one process, of its own program or of `radar-chain stage NAME`.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Stage {
+    /// Name of the process.
+    pub name: &'static str,
+    /// Its place in the flow.
+    pub role: Role,
+    /// What it reads; the first one is what its results are made from.
+    pub inputs: &'static [Input],
+    /// What it may publish; `messages_out` of its health counts the first one.
+    pub outputs: &'static [Topic],
+}
+
+/// Place of a stage in the flow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Sets the pace: its end is the end of its site. One for each site.
+    Source(Source),
+    /// Makes results from messages. One for each site.
+    Processor,
+    /// Takes everything and reports. One for all sites.
+    Recorder,
+}
+
+/// A topic that a stage reads.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Input {
+    /// The topic.
+    pub topic: Topic,
+    /// Whether its publishers wait for the stage.
+    pub required: Required,
+}
+
+/// When the publishers of a topic wait for a consumer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Required {
+    /// Always.
+    Always,
+    /// Where `recorder.dwells` is set.
+    IfDwellsAreRecorded,
+    /// Never.
+    Never,
+}
+
+const fn always(topic: Topic) -> Input {
+    Input { topic, required: Required::Always }
+}
+
+/// All stages, upstream first.
+pub const STAGES: [Stage; 6] = [
+    Stage {
+        name: "radar-sim",
+        role: Role::Source(Source::RadarSim),
+        inputs: &[],
+        outputs: &[Topic::Dwells, Topic::Truth],
+    },
+    Stage {
+        name: "plot-source",
+        role: Role::Source(Source::PlotSource),
+        inputs: &[],
+        outputs: &[Topic::Plots, Topic::Truth],
+    },
+    Stage {
+        name: "replay",
+        role: Role::Source(Source::Replay),
+        inputs: &[],
+        outputs: &[Topic::Dwells, Topic::Plots, Topic::Tracks, Topic::Truth],
+    },
+    Stage { name: "plot-extractor", role: Role::Processor, inputs: &[always(Topic::Dwells)], outputs: &[Topic::Plots] },
+    Stage { name: "tracker", role: Role::Processor, inputs: &[always(Topic::Plots)], outputs: &[Topic::Tracks] },
+    Stage {
+        name: RECORDER,
+        role: Role::Recorder,
+        // Causes before effects: the order in which the recorder takes what waits.
+        inputs: &[
+            always(Topic::Truth),
+            Input { topic: Topic::Dwells, required: Required::IfDwellsAreRecorded },
+            always(Topic::Plots),
+            always(Topic::Tracks),
+            Input { topic: Topic::HealthReports, required: Required::Never },
+        ],
+        outputs: &[],
+    },
+];
+
+/// Name of the recorder.
+pub const RECORDER: &str = "recorder";
+
+impl Stage {
+    /// The stage of this name.
+    pub fn from_name(name: &str) -> Option<&'static Self> {
+        STAGES.iter().find(|stage| stage.name == name)
+    }
+
+    /// Whether it sets the pace of its site.
+    pub fn is_source(&self) -> bool {
+        matches!(self.role, Role::Source(_))
+    }
+
+    /// Whether there is one for all sites.
+    pub fn is_of_chain(&self) -> bool {
+        self.role == Role::Recorder
+    }
+
+    /// Whether publishers of `topic` wait for it in a chain with this configuration.
+    pub fn requires(&self, topic: Topic, chain: &ChainConfig) -> bool {
+        self.inputs.iter().any(|input| input.topic == topic && input.required.holds(chain))
+    }
+
+    /// Its bit in a set of stages, and the event by which it tells publishers that it has found them.
+    pub(crate) fn number(&self) -> usize {
+        STAGES.iter().position(|stage| stage.name == self.name).unwrap_or(STAGES.len())
+    }
+}
+
+impl Required {
+    fn holds(self, chain: &ChainConfig) -> bool {
+        match self {
+            Self::Always => true,
+            Self::IfDwellsAreRecorded => chain.recorder.dwells,
+            Self::Never => false,
+        }
+    }
+}
+
+/// The stages of a site with this configuration, upstream first; the recorder, which serves all sites, is the last.
+pub fn stages(chain: &ChainConfig) -> Vec<&'static Stage> {
+    let source = chain.run.source;
+    let mut stages: Vec<&Stage> = STAGES.iter().filter(|stage| stage.role == Role::Source(source)).collect();
+    let mut available = driving(chain);
+    for stage in STAGES.iter().filter(|stage| stage.role == Role::Processor) {
+        if stage.inputs.first().is_some_and(|input| input.topic == available) {
+            stages.push(stage);
+            available = stage.outputs[0];
+        }
+    }
+    stages.extend(STAGES.iter().filter(|stage| stage.role == Role::Recorder));
+    stages
+}
+
+/// The topic that drives a site: what its source publishes, and the stages after it wait for.
+pub fn driving(chain: &ChainConfig) -> Topic {
+    match chain.run.source {
+        Source::RadarSim => Topic::Dwells,
+        Source::PlotSource | Source::External => Topic::Plots,
+        Source::Replay => last_in_processing(&chain.replay.topics),
+    }
+}
+
+/// The last of several topics in the order of processing.
+pub fn last_in_processing(topics: &[Topic]) -> Topic {
+    let processors = STAGES.iter().rev().filter(|stage| stage.role == Role::Processor);
+    let mut backwards = processors.flat_map(|stage| stage.outputs.iter().copied().chain([stage.inputs[0].topic]));
+    backwards.find(|topic| topics.contains(topic)).unwrap_or(Topic::Plots)
+}
+
+/// The stage whose results travel on `topic`, and the topic that it makes them from.
+pub fn maker(topic: Topic) -> Option<(&'static Stage, Topic)> {
+    let mut processors = STAGES.iter().filter(|stage| stage.role == Role::Processor);
+    processors.find(|stage| stage.outputs.contains(&topic)).map(|stage| (stage, stage.inputs[0].topic))
+}
+
+/// The stages of a site that publishers of `topic` wait for, one bit each.
+pub(crate) fn required_consumers(topic: Topic, chain: &ChainConfig) -> u32 {
+    let consumers = stages(chain).into_iter().filter(|stage| stage.requires(topic, chain));
+    consumers.fold(0, |bits, stage| bits | 1 << stage.number())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(change: impl FnOnce(&mut ChainConfig)) -> Vec<&'static str> {
+        let mut chain = ChainConfig::default();
+        change(&mut chain);
+        stages(&chain).into_iter().map(|stage| stage.name).collect()
+    }
+
+    #[test]
+    fn a_chain_has_the_stages_after_its_source() {
+        assert_eq!(names(|_| {}), ["radar-sim", "plot-extractor", "tracker", "recorder"]);
+        assert_eq!(names(|chain| chain.run.source = Source::PlotSource), ["plot-source", "tracker", "recorder"]);
+        assert_eq!(names(|chain| chain.run.source = Source::External), ["tracker", "recorder"]);
+        let replay = |topics: &[Topic]| {
+            names(|chain| (chain.run.source, chain.replay.topics) = (Source::Replay, topics.to_vec()))
+        };
+        assert_eq!(replay(&[Topic::Dwells, Topic::Truth]), ["replay", "plot-extractor", "tracker", "recorder"]);
+        assert_eq!(replay(&[Topic::Plots, Topic::Truth]), ["replay", "tracker", "recorder"]);
+        assert_eq!(replay(&[Topic::Dwells, Topic::Plots]), ["replay", "tracker", "recorder"]);
+        assert_eq!(replay(&[Topic::Truth, Topic::Tracks]), ["replay", "recorder"]);
+    }
+
+    #[test]
+    fn publishers_wait_for_those_that_the_table_names_and_for_nobody_else() {
+        let mut chain = ChainConfig::default();
+        let bits = |names: &[&str]| {
+            names.iter().fold(0, |bits, name| bits | 1 << Stage::from_name(name).expect("a stage").number())
+        };
+        assert_eq!(required_consumers(Topic::Dwells, &chain), bits(&["plot-extractor"]));
+        assert_eq!(required_consumers(Topic::Plots, &chain), bits(&["tracker", "recorder"]));
+        assert_eq!(required_consumers(Topic::HealthReports, &chain), 0);
+        chain.recorder.dwells = true;
+        assert_eq!(required_consumers(Topic::Dwells, &chain), bits(&["plot-extractor", "recorder"]));
+    }
+
+    #[test]
+    fn results_are_made_from_the_topic_before() {
+        assert_eq!(maker(Topic::Tracks).map(|(stage, from)| (stage.name, from)), Some(("tracker", Topic::Plots)));
+        assert_eq!(maker(Topic::Truth), None);
+    }
+}

@@ -1,0 +1,42 @@
+//! The stages as this one program runs them: `radar-chain stage NAME`.
+
+use std::process::ExitCode;
+
+use clap::builder::PossibleValuesParser;
+use common::process::StageArgs;
+use common::topology::STAGES;
+
+use crate::keeper;
+
+/// Names of the stages, as `radar-chain stage` takes them.
+pub(crate) fn names() -> PossibleValuesParser {
+    PossibleValuesParser::new(STAGES.iter().map(|stage| stage.name).chain([keeper::NAME]))
+}
+
+/// Runs the stage `name` in this process.
+pub(crate) fn run_stage(name: &str, args: &StageArgs) -> anyhow::Result<ExitCode> {
+    match name {
+        radar_sim::process::NAME => radar_sim::process::run(args),
+        plot_source::process::NAME => plot_source::process::run(args),
+        recorder::replay_process::NAME => recorder::replay_process::run(args),
+        plot_extractor::process::NAME => plot_extractor::process::run(args),
+        tracker::process::NAME => tracker::process::run(args),
+        recorder::process::NAME => recorder::process::run(args),
+        keeper::NAME => keeper::keep(args),
+        other => anyhow::bail!("stage `{other}` is in the table of stages, but this program does not have it"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_stage_of_the_table_is_in_this_program() {
+        let args = StageArgs { config: Some("/no such file".into()), ..StageArgs::default() };
+        for stage in &STAGES {
+            let error = run_stage(stage.name, &args).expect_err("there is no such file").to_string();
+            assert!(error.contains("cannot read configuration file"), "{}: {error}", stage.name);
+        }
+    }
+}
