@@ -52,3 +52,7 @@ uninstall:
     {{sudo}} rm -rf {{lib}}/systemd/system/radar-chain*.service {{lib}}/systemd/system/radar-chain.target {{lib}}/systemd/system/radar-chain-.service.d
     {{sudo}} rm -f {{lib}}/sysusers.d/radar-chain.conf /usr/local/bin/radar-chain
     {{sudo}} systemctl daemon-reload
+
+# Python layouts of the messages, from the Rust types
+layouts:
+    WRITE_LAYOUTS=1 cargo test --test python_layout

@@ -75,7 +75,10 @@ pub(crate) fn launch(
         }
         let chain = sites.first();
         check_report_place(Path::new(&chain.recorder.report))?;
-        Domain::enter(&chain.ipc)?.remove(); // what a killed chain has left
+        let domain = Domain::enter(&chain.ipc)?;
+        if !domain.is_alive() {
+            domain.remove(); // what a killed chain has left; an observer may wait for this one
+        }
         if !chain.soak.log.is_empty() {
             let _ = std::fs::remove_file(&chain.soak.log); // of an earlier soak, to which nobody writes any more
         }

@@ -17,6 +17,7 @@ pub mod geometry;
 pub mod health;
 pub mod ipc;
 pub mod label;
+pub mod layout;
 pub mod latency;
 pub mod latency_log;
 pub mod logging;

@@ -13,7 +13,7 @@ use common::message::{END_OF_STREAM, Lineage};
 use common::recording::container::Reader;
 use common::recording::{self, Messages, Recorded, RecordingError, parts_from};
 use common::topic::Topic;
-use common::topology::driving;
+use common::topology::last_in_processing;
 
 /// The recorded messages to publish, parts of a run after each other.
 pub struct Playback {
@@ -44,7 +44,7 @@ impl Playback {
             messages: None,
             topics: config.replay.topics.clone(),
             scans: (config.run.first_scan, last),
-            driving: driving(config),
+            driving: last_in_processing(&config.replay.topics),
             passed: false,
             ready: VecDeque::new(),
         })

@@ -12,7 +12,7 @@ use common::realtime;
 use common::recording::Recorded;
 use common::time::monotonic_ns;
 use common::topic::{Dwells, Message, Plots, Tracks, Truth};
-use common::topology::driving;
+use common::topology::last_in_processing;
 
 use crate::replay::{Playback, lineage_again};
 
@@ -43,7 +43,7 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
 
     let mut pace = Pace::new(chain.run.speed);
     let (mut plots_out, mut tracks_out, mut dwells_taken, mut plots_taken) = (0, 0, 0, 0);
-    let driving = driving(chain);
+    let driving = last_in_processing(&chain.replay.topics);
     for message in playback.by_ref() {
         let mut message = message.map_err(|error| BadInput(format!("{}: {error}", chain.replay.file)))?;
         let (drives, length) = (message.by_ref().topic() == driving, message.by_ref().len());

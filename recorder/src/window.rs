@@ -64,7 +64,7 @@ impl Window {
     /// # Errors
     /// The recording cannot be read, or holds nothing of this time.
     pub fn narrow(&self, config: &mut ChainConfig) -> Result<(), BadInput> {
-        let driving = common::topology::driving(config);
+        let driving = common::topology::last_in_processing(&config.replay.topics);
         let mut playback = Playback::open(config).map_err(|error| BadInput(error.to_string()))?;
         let (mut start_ns, mut first, mut last) = (None, None, None);
         while let Some(message) =

@@ -10,6 +10,7 @@ use common::topology::Stage;
 
 use super::name::{StageId, label};
 use crate::keeper;
+use crate::watch::status;
 
 /// Passing visitors of a domain, such as `radar-chain status`, have left after this time.
 const VISIT: Duration = Duration::from_secs(3);
@@ -34,8 +35,8 @@ impl Orphans {
         domain.clean_dead_nodes();
         let began = Instant::now();
         let processes = loop {
-            let (inhabitants, all) = Self::living(&domain);
-            if !inhabitants.is_empty() || all == 0 || began.elapsed() > VISIT {
+            let (inhabitants, visited) = Self::living(&domain);
+            if !inhabitants.is_empty() || !visited || began.elapsed() > VISIT {
                 break inhabitants;
             }
             std::thread::sleep(Duration::from_millis(50));
@@ -74,12 +75,12 @@ impl Orphans {
         Ok(Self::living(&Domain::enter(&sites.first().ipc)?).0.is_empty())
     }
 
-    /// The stages that live in a domain, and how many processes do in all.
-    fn living(domain: &Domain) -> (Vec<Inhabitant>, usize) {
+    /// The stages that live in a domain, and whether somebody looks at its status.
+    fn living(domain: &Domain) -> (Vec<Inhabitant>, bool) {
         let mut inhabitants = domain.inhabitants();
-        let all = inhabitants.len();
+        let visited = inhabitants.iter().any(|of| of.process == status::NAME);
         inhabitants.retain(|of| of.process == keeper::NAME || Stage::from_name(&of.process).is_some());
-        (inhabitants, all)
+        (inhabitants, visited)
     }
 
     /// The process of a stage.

@@ -81,6 +81,13 @@ impl Bench {
         self.start_with(arguments, |command| command)
     }
 
+    /// Starts a chain of another configuration.
+    pub(crate) fn start_config(&self, config: &Path, arguments: &[&str]) -> Running {
+        let mut command = self.command("run", config);
+        let child = command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+        Running { child: Some(child.expect("starting the chain")) }
+    }
+
     /// Starts the small radar in an environment of its own.
     pub(crate) fn start_with(&self, arguments: &[&str], prepare: impl FnOnce(&mut Command) -> &mut Command) -> Running {
         let child = prepare(&mut self.command("run", &small_config()))

@@ -1,0 +1,89 @@
+//! The examples against live chains. Those in Python need the package `iceoryx2` of PyPI; without it their tests say that they
+//! are left out, except where `CI` is set.
+
+mod support;
+
+use std::path::Path;
+use std::process::Command;
+
+use support::{Bench, output, small_config, text_of};
+
+fn python(example: &str, bench: &Bench) -> Command {
+    let mut command = Command::new("python3");
+    command.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/python").join(example));
+    command.args(["--prefix", bench.prefix(), "--root"]).arg(bench.path(""));
+    command
+}
+
+fn is_left_out() -> bool {
+    let present = Command::new("python3").args(["-c", "import iceoryx2"]).output();
+    let present = present.is_ok_and(|output| output.status.success());
+    assert!(present || std::env::var_os("CI").is_none(), "python3 with the package iceoryx2 is missing");
+    if !present {
+        eprintln!("left out: python3 with the package iceoryx2 is missing (pip install iceoryx2==0.10.0)");
+    }
+    !present
+}
+
+#[test]
+fn an_observer_in_python_sees_the_tracks() {
+    if is_left_out() {
+        return;
+    }
+    let bench = Bench::new();
+    let running = bench.start(&["--scans", "0", "--speed", "8"]);
+    bench.wait_for("tracks", |status| support::number(status, "tracker", "confirmed").filter(|&tracks| tracks == 2));
+    let mut observer = python("observer.py", &bench);
+    let observer = std::thread::spawn(move || output(observer.args(["small", "--seconds", "3"])));
+    std::thread::sleep(std::time::Duration::from_secs(2)); // so long it looks on
+    let ended = running.stop();
+    assert!(ended.status.success(), "{}", text_of(&ended));
+    let seen = observer.join().expect("the observer");
+    assert!(seen.status.success(), "{}", text_of(&seen));
+    let text = String::from_utf8_lossy(&seen.stdout).into_owned();
+    let speeds: Vec<f64> = text
+        .lines()
+        .filter(|line| line.ends_with("m/s"))
+        .filter_map(|line| line.split_whitespace().rev().nth(1)?.parse().ok())
+        .collect();
+    // The targets fly at 18 and 21 m/s.
+    assert!(speeds.len() > 8 && speeds.iter().all(|speed| (10.0..30.0).contains(speed)), "{text}");
+    assert_eq!(bench.report().lost(), 0);
+}
+
+#[test]
+fn a_plot_source_in_python_drives_a_chain() {
+    if is_left_out() {
+        return;
+    }
+    let bench = Bench::new();
+    let config = small_config().with_file_name("../../examples/plot_source.toml");
+    let running = bench.start_config(&config, &[]);
+    bench.wait_for("a chain without a source", |status| status.get("tracker").map(|_| ()));
+    let source = output(python("plot_source.py", &bench).args(["--speed", "0"]));
+    assert!(source.status.success(), "{}", text_of(&source));
+    let ended = running.end();
+    assert!(ended.status.success(), "{}", text_of(&ended));
+    let report = bench.report();
+    assert_eq!((report.scans, report.lost(), report.messages["plots"]), (30, 0, 30 * 16), "{}", text_of(&ended));
+    let tracker = text_of(&ended);
+    assert!(report.processes.contains_key("tracker"), "{tracker}");
+}
+
+/// The same with the example in Rust, which the tests have built.
+#[test]
+fn the_plot_source_in_rust_drives_a_chain() {
+    let bench = Bench::new();
+    let config = small_config().with_file_name("../../examples/plot_source.toml");
+    let running = bench.start_config(&config, &["--speed", "max"]);
+    bench.wait_for("a chain without a source", |status| status.get("tracker").map(|_| ()));
+    let program = Path::new(env!("CARGO_BIN_EXE_radar-chain")).with_file_name("examples/plot_source");
+    let mut source = Command::new(program);
+    source.args(["--ipc-prefix", bench.prefix(), "--set"]).arg(format!("ipc.root='{}'", bench.path("").display()));
+    let source = output(source.arg("--config").arg(&config).args(["--set", "run.speed=max"]));
+    assert!(source.status.success(), "{}", text_of(&source));
+    let ended = running.end();
+    assert!(ended.status.success(), "{}", text_of(&ended));
+    let report = bench.report();
+    assert_eq!((report.scans, report.lost(), report.messages["plots"]), (30, 0, 30 * 16), "{}", text_of(&ended));
+}
