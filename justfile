@@ -18,15 +18,15 @@ search seed cases="20000":
 bench:
     cargo bench -p radar-sim -p plot-extractor -p tracker -p recorder
 
-# All results of docs/results.md again, tables and figures (half an hour)
+# All results of docs/results/ again, tables and figures (half an hour)
 results:
     cargo run --release -p experiments -- cfar --runs 1000 --figures docs/img
     cargo run --release -p experiments -- plot-accuracy --figures docs/img
-    cargo run --release -p experiments -- initiation --figures docs/img --page docs/results.md
-    cargo run --release -p experiments -- accuracy --figures docs/img --page docs/results.md
-    cargo run --release -p experiments -- accuracy --cells --page docs/results.md
-    cargo run --release -p experiments -- track-loss --runs 1000 --figures docs/img --page docs/results.md
-    cargo run --release -p experiments -- crossing --runs 1000 --figures docs/img --page docs/results.md
+    cargo run --release -p experiments -- initiation --figures docs/img --page docs/results/initiation.md
+    cargo run --release -p experiments -- accuracy --figures docs/img --page docs/results/accuracy.md
+    cargo run --release -p experiments -- accuracy --cells --page docs/results/accuracy.md
+    cargo run --release -p experiments -- track-loss --runs 1000 --figures docs/img --page docs/results/track-loss.md
+    cargo run --release -p experiments -- crossing --runs 1000 --figures docs/img --page docs/results/crossing.md
 
 # What must hold before a change lands
 ci:
