@@ -15,8 +15,9 @@ use std::process::ExitCode;
 use clap::Parser;
 use common::ipc::{Flow, Station, Watchdog, attend};
 use common::message::END_OF_STREAM;
+use common::messages::Tracks;
 use common::process::{self, StageArgs, stop_requested};
-use common::topic::{Topic, Tracks};
+use common::topic::Topic;
 
 /// Print the confirmed tracks of a running chain
 #[derive(Parser)]

@@ -30,11 +30,11 @@ use std::process::ExitCode;
 use clap::Parser;
 use common::ipc::Station;
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage};
+use common::messages::{Message, Plots};
 use common::pace::Pace;
 use common::plots::{Plot, PlotsHeader};
 use common::process::{self, StageArgs, new_session, stop_requested};
 use common::time::monotonic_ns;
-use common::topic::{Message, Plots};
 
 /// Publish plots of two targets on circles
 #[derive(Parser)]

@@ -7,10 +7,11 @@ use common::process::StageArgs;
 use common::topology::STAGES;
 
 use crate::keeper;
+use crate::stages::name::KEEPER;
 
 /// Names of the stages, as `radar-chain stage` takes them.
 pub(crate) fn names() -> PossibleValuesParser {
-    PossibleValuesParser::new(STAGES.iter().map(|stage| stage.name).chain([keeper::NAME]))
+    PossibleValuesParser::new(STAGES.iter().map(|stage| stage.name).chain([KEEPER]))
 }
 
 /// Runs the stage `name` in this process.
@@ -22,7 +23,7 @@ pub(crate) fn run_stage(name: &str, args: &StageArgs) -> anyhow::Result<ExitCode
         plot_extractor::process::NAME => plot_extractor::process::run(args),
         tracker::process::NAME => tracker::process::run(args),
         recorder::process::NAME => recorder::process::run(args),
-        keeper::NAME => keeper::keep(args),
+        KEEPER => keeper::keep(args),
         other => anyhow::bail!("stage `{other}` is in the table of stages, but this program does not have it"),
     }
 }

@@ -13,12 +13,11 @@ use common::ipc::{Domain, Flow};
 use common::process::{Resume, StageArgs, resume_file, stop_requested};
 
 use crate::claim::Claim;
+use crate::stages::name::KEEPER;
 use crate::stages::resume::{TRACKS_PER_START, next_scan, run_id};
 use crate::watch::board::SiteBoard;
 use crate::watch::endpoint::{Endpoint, Look};
 
-/// Name of the process.
-pub(crate) const NAME: &str = "keeper";
 /// Asked to stop, it waits so long for the stages to go first.
 const LAST: Duration = Duration::from_secs(20);
 /// The place of the run is written this often.
@@ -42,7 +41,7 @@ pub(crate) fn keep(args: &StageArgs) -> anyhow::Result<ExitCode> {
 }
 
 fn hold(sites: &Sites) -> anyhow::Result<()> {
-    let (mut endpoint, wakes) = Endpoint::open(NAME, sites)?;
+    let (mut endpoint, wakes) = Endpoint::open(KEEPER, sites)?;
     let root = Domain::root(&sites.first().ipc);
     write(&root, "chain.toml", &sites.to_toml())?;
     let several = sites.only().is_none();
@@ -71,7 +70,7 @@ fn hold(sites: &Sites) -> anyhow::Result<()> {
         let mut flow = Flow::Wait;
         if stop_requested() {
             let since = *asked.get_or_insert_with(Instant::now);
-            let alone = endpoint.domain().inhabitants().iter().all(|of| of.process == NAME);
+            let alone = endpoint.domain().inhabitants().iter().all(|of| of.process == KEEPER);
             flow = if alone || since.elapsed() > LAST { Flow::End } else { Flow::Wait };
         }
         Ok(Look { flow, restarts: 0 })

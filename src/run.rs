@@ -10,15 +10,13 @@ use common::process::{BadInput, EXIT_CHECK_BROKEN, signals};
 use common::report::ChainReport;
 
 use crate::claim::Claim;
+use crate::stages::name::LAUNCHER;
 use crate::stages::orphans::Orphans;
 use crate::stages::resume::run_id;
 use crate::stages::supervisor::{End, Supervisor};
 use crate::watch::board::Board;
 use crate::watch::endpoint::{Endpoint, Look};
 use crate::watch::screen::Screen;
-
-/// Name of the launcher among the processes.
-pub(crate) const NAME: &str = "radar-chain";
 
 /// A hook that is called during a run.
 pub(crate) trait Companion {
@@ -97,7 +95,7 @@ pub(crate) fn launch(
             let lossy = chain.run.mode == Mode::Lossless && report.lost() > 0;
             // Restarts of an earlier launcher are in the report; those of a process that has never said a word are not.
             let restarted =
-                restarts > 0 || report.processes().iter().any(|(name, used)| name != NAME && used.restarts > 0);
+                restarts > 0 || report.processes().iter().any(|(name, used)| name != LAUNCHER && used.restarts > 0);
             Ok(Ok(Outcome { report, disturbed: broken || restarted, lossy }))
         }
     }
@@ -105,7 +103,7 @@ pub(crate) fn launch(
 
 /// Runs the processes to their end.
 fn supervise(sites: &Sites, orphans: Option<&Orphans>, companion: &mut dyn Companion) -> anyhow::Result<(End, u32)> {
-    let (mut endpoint, wakes) = Endpoint::open(NAME, sites)?;
+    let (mut endpoint, wakes) = Endpoint::open(LAUNCHER, sites)?;
     let file = Domain::root(&sites.first().ipc).join("chain.toml");
     std::fs::write(&file, sites.to_toml()).with_context(|| format!("writing {}", file.display()))?;
 

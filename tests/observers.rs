@@ -6,9 +6,9 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use common::ipc::{Station, Subscriber};
+use common::messages::{Dwells, Message, Plots, Tracks, Truth};
 use common::recording::container;
 use common::report::Report;
-use common::topic::{Dwells, Message, Plots, Tracks, Truth};
 use recorder::diff::first_difference;
 use support::{Bench, DEADLINE, signal, small_config, text_of};
 
@@ -60,8 +60,7 @@ fn an_observer_of_each_topic_that_stands_still_costs_nothing_and_its_loss_is_exa
     assert!(undisturbed.status.success(), "{}", text_of(&undisturbed));
 
     let bench = Bench::new();
-    let domain =
-        [format!("ipc.prefix={}", bench.prefix()), format!("ipc.root='{}'", bench.path("").display())];
+    let domain = [format!("ipc.prefix={}", bench.prefix()), format!("ipc.root='{}'", bench.path("").display())];
     let chain = common::config::load(Some(&small_config()), &domain).expect("a valid configuration");
     // There before the chain is.
     let station = Station::enter("spectator", &chain).expect("a domain");

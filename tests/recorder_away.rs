@@ -11,9 +11,10 @@ use std::time::{Duration, Instant};
 
 use common::ipc::Station;
 use common::message::Stamps;
+use common::messages::Tracks;
 use common::recording::Recorded;
 use common::report::{Book, Report};
-use common::topic::{Topic, Tracks};
+use common::topic::Topic;
 use common::tracks::{Track, TracksHeader};
 use recorder::verify::Verification;
 use support::{Bench, number, output, signal, small_config, text_of};

@@ -33,9 +33,10 @@ fn tracks(
     let read = |part: PathBuf| {
         container::Reader::new(std::io::BufReader::new(std::fs::File::open(part).expect("a recording")))
     };
-    parts.into_iter().flat_map(read).filter(|message| {
-        message.as_ref().is_ok_and(|message| message.by_ref().topic() == Topic::Tracks)
-    })
+    parts
+        .into_iter()
+        .flat_map(read)
+        .filter(|message| message.as_ref().is_ok_and(|message| message.by_ref().topic() == Topic::Tracks))
 }
 
 #[test]

@@ -4,8 +4,9 @@ mod support;
 
 use common::dwell::DwellHeader;
 use common::ipc::Station;
+use common::messages::{Dwells, Message};
 use common::recording::{Recorded, RecordedRef};
-use common::topic::{Dwells, Message, Topic};
+use common::topic::Topic;
 use support::{Bench, scan, small_config, text_of};
 
 /// The dwells of a version that never was.

@@ -17,11 +17,25 @@
 //! Every ratio is formed in logarithms: nothing overflows 50 dB above the noise or far out in
 //! the tails. Derivation: `docs/theory/amplitude.md`.
 
-use crate::config::Swerling;
 use crate::units::from_db;
+use serde::{Deserialize, Serialize};
 
 /// Signal-to-noise ratios over which an unknown one is averaged.
 const SNR_POINTS: usize = 5;
+
+/// How the amplitude of a target fluctuates from scan to scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Swerling {
+    /// Swerling 0: constant.
+    #[serde(rename = "0")]
+    Zero,
+    /// Swerling I: exponential power, one draw a scan.
+    #[serde(rename = "I")]
+    One,
+    /// Swerling III: χ² power with 4 degrees of freedom, one draw a scan.
+    #[serde(rename = "III")]
+    Three,
+}
 
 /// Largest likelihood ratio returned: beyond, only the sign of the evidence matters, and
 /// products with a Gaussian density stay finite.

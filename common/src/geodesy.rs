@@ -13,8 +13,20 @@
 //! Source: [K18], with the signs of (F2) corrected.
 
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
-use crate::config::Position;
+/// A place on the earth (WGS-84).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Position {
+    /// North, degrees.
+    pub latitude_deg: f64,
+    /// East, degrees.
+    pub longitude_deg: f64,
+    /// Above the ellipsoid, m.
+    #[serde(default)]
+    pub height_m: f64,
+}
 
 /// Semi-major axis of WGS-84, m.
 const SEMI_MAJOR_M: f64 = 6_378_137.0;

@@ -9,7 +9,8 @@ use std::fmt::Write;
 use serde::ser::{self, Impossible, Serialize, SerializeSeq, SerializeStruct, SerializeTuple};
 
 use crate::label::Label;
-use crate::topic::{ForTopic, Message, Topic};
+use crate::messages::{ForTopic, Message};
+use crate::topic::Topic;
 use crate::topology::STAGES;
 
 /// The module `messages.py`: a structure for each header and element, and a table of the topics.

@@ -2,8 +2,66 @@
 
 use std::time::{Duration, Instant};
 
-use crate::config::Speed;
+use serde::{Deserialize, Serialize};
+
 use crate::units::seconds_between;
+
+/// Pace of the source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Speed {
+    /// Times real time.
+    Times(f64),
+    /// As fast as the chain accepts.
+    Max,
+}
+
+impl std::fmt::Display for Speed {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Speed::Times(factor) => write!(formatter, "{factor}×"),
+            Speed::Max => formatter.write_str("max"),
+        }
+    }
+}
+
+impl Serialize for Speed {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Speed::Times(factor) => serializer.serialize_f64(*factor),
+            Speed::Max => serializer.serialize_str("max"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Speed {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged, expecting = "expected a number above 0 (times real time) or \"max\"")]
+        enum Raw {
+            Float(f64),
+            Text(String),
+        }
+        let text = match Raw::deserialize(deserializer)? {
+            Raw::Float(factor) => return Ok(Speed::Times(factor)),
+            Raw::Text(text) => text,
+        };
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+impl std::str::FromStr for Speed {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "max" => Ok(Speed::Max),
+            number => number
+                .parse()
+                .map(Speed::Times)
+                .map_err(|_| format!("`{number}` is neither a number (times real time) nor `max`")),
+        }
+    }
+}
 
 /// Lets measurement time pass at a multiple of processing time.
 #[derive(Debug)]

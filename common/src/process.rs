@@ -3,17 +3,19 @@
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use sd_notify::NotifyState;
+
+pub use crate::stop::{signals, stop_requested};
 
 use crate::config::{self, ChainConfig, ConfigError, Sites};
 use crate::health::{Condition, Health, HealthHeader};
 use crate::ipc::{Domain, IpcError, ObserverLosses, Publisher, Station, Watchdog};
 use crate::logging;
+use crate::messages::HealthReports;
+use crate::stop;
 use crate::time::{monotonic_ns, open_files, process_cpu_ns, resident_bytes};
-use crate::topic::HealthReports;
 
 /// Exit code: the chain ran, but a budget, loss limit or check was broken.
 pub const EXIT_CHECK_BROKEN: u8 = 1;
@@ -109,13 +111,13 @@ pub struct BadInput(pub String);
 
 /// Runs the body of a process: logging, signals (the second ends it at once), and one line for an error.
 pub fn run(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
-    catch_signals(true);
+    stop::catch_signals(true);
     conclude(name, body)
 }
 
 /// As [`run`], for a process that ends others: it must live on at the second signal and looks at [`signals`].
 pub fn supervise(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
-    catch_signals(false);
+    stop::catch_signals(false);
     conclude(name, body)
 }
 
@@ -166,30 +168,6 @@ pub fn tell(line: &str) {
 
 fn write_line(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
-}
-
-static SIGNALS: AtomicU32 = AtomicU32::new(0);
-
-/// Counts SIGINT and SIGTERM; the first asks to stop.
-fn catch_signals(second_ends: bool) {
-    let installed = ctrlc::set_handler(move || {
-        if SIGNALS.fetch_add(1, Ordering::SeqCst) > 0 && second_ends {
-            std::process::exit(130);
-        }
-    });
-    if let Err(error) = installed {
-        tracing::warn!(%error, "signals are not handled");
-    }
-}
-
-/// Whether the user has asked to stop.
-pub fn stop_requested() -> bool {
-    SIGNALS.load(Ordering::Relaxed) > 0
-}
-
-/// How often the user has asked to stop.
-pub fn signals() -> u32 {
-    SIGNALS.load(Ordering::Relaxed)
 }
 
 /// A number that no earlier start of a process has had: ns since 1970.
@@ -276,28 +254,5 @@ impl HealthReporter {
         };
         // Without a service manager this does nothing.
         let _ = sd_notify::notify(&[news, NotifyState::Status(&status)]);
-    }
-}
-
-static WAITED_NS: AtomicU64 = AtomicU64::new(0);
-
-/// Notes that this process has stood still for so long because a consumer did not take what it sends.
-pub(crate) fn note_waiting(time: Duration) {
-    WAITED_NS.fetch_add(time.as_nanos() as u64, Ordering::Relaxed);
-}
-
-/// How long this process has stood still for its consumers in all.
-pub(crate) fn waited() -> Duration {
-    Duration::from_nanos(WAITED_NS.load(Ordering::Relaxed))
-}
-
-/// Tells a service manager that watches over this process, at most once a second, that it lives but has to wait
-/// for another: not this one is the one that hangs.
-pub(crate) fn say_waiting() {
-    static SAID_MS: AtomicU64 = AtomicU64::new(0);
-    let now_ms = monotonic_ns() / 1_000_000;
-    if now_ms.saturating_sub(SAID_MS.load(Ordering::Relaxed)) >= 1000 {
-        SAID_MS.store(now_ms, Ordering::Relaxed);
-        let _ = sd_notify::notify(&[NotifyState::Watchdog, NotifyState::Status("waiting for a consumer")]);
     }
 }

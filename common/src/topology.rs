@@ -153,6 +153,11 @@ pub fn stages(chain: &ChainConfig) -> Vec<&'static Stage> {
     stages
 }
 
+/// Whether a stage of this name runs at a site with this configuration.
+pub fn runs(chain: &ChainConfig, name: &str) -> bool {
+    stages(chain).iter().any(|stage| stage.name == name)
+}
+
 /// The topic that drives a site: what its source publishes, and the stages after it wait for.
 pub fn driving(chain: &ChainConfig) -> Topic {
     match chain.run.source {

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::message::{Header, Lineage, Place, Stamps};
-use crate::recording::row::{Row, SIGMA_COLUMNS, STATE_COLUMNS, Table, Value, put_all};
+use crate::recording::row::{Row, Table, Value, put_all};
 
 /// Most tracks in one message; tentative ones are left out first, and counted.
 pub const MAX_TRACKS: usize = 256;
@@ -228,6 +228,22 @@ impl Header for TracksHeader {
         self.lineage.make_comparable();
     }
 }
+
+/// Names of the components of the state.
+pub(crate) const STATE_COLUMNS: [&str; STATE] =
+    ["x_m", "vx_mps", "ax_mps2", "y_m", "vy_mps", "ay_mps2", "z_m", "vz_mps", "az_mps2"];
+/// Names of their standard errors.
+const SIGMA_COLUMNS: [&str; STATE] = [
+    "sigma_x_m",
+    "sigma_vx_mps",
+    "sigma_ax_mps2",
+    "sigma_y_m",
+    "sigma_vy_mps",
+    "sigma_ay_mps2",
+    "sigma_z_m",
+    "sigma_vz_mps",
+    "sigma_az_mps2",
+];
 
 /// Names of the probabilities of the modes.
 const MODE_COLUMNS: [&str; 3] = ["mode_hover", "mode_constant_velocity", "mode_manoeuvre"];

@@ -7,8 +7,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::message::{Header, Place};
-use crate::recording::row::{Row, STATE_COLUMNS, Table, Value, put_all};
-use crate::tracks::STATE;
+use crate::recording::row::{Row, Table, Value, put_all};
+use crate::tracks::{STATE, STATE_COLUMNS};
 
 /// Most targets in the truth of one scan.
 pub const MAX_TARGETS: usize = 1024;

@@ -6,10 +6,11 @@ use anyhow::Context;
 use common::health::Rejected;
 use common::ipc::{Flow, Station, Turn, attend};
 use common::message::END_OF_STREAM;
+use common::messages::{Dwells, Message, Plots};
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
 use common::time::monotonic_ns;
-use common::topic::{Dwells, Message, Plots, Topic};
+use common::topic::Topic;
 
 use crate::PlotExtractor;
 

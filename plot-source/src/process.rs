@@ -5,11 +5,11 @@ use std::process::ExitCode;
 use anyhow::Context;
 use common::ipc::Station;
 use common::message::{END_OF_SCAN, END_OF_STREAM};
+use common::messages::{Message, Plots, Truth};
 use common::pace::Pace;
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
 use common::time::monotonic_ns;
-use common::topic::{Message, Plots, Truth};
 
 use crate::Source;
 

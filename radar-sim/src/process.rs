@@ -5,11 +5,11 @@ use std::process::ExitCode;
 use anyhow::Context;
 use common::ipc::{Publisher, Station};
 use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM};
+use common::messages::{Dwells, Message, Truth};
 use common::pace::Pace;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
 use common::time::monotonic_ns;
-use common::topic::{Dwells, Message, Truth};
 use common::truth::TruthHeader;
 
 use crate::DwellSimulator;

@@ -11,14 +11,15 @@ use common::health::Health;
 use common::ipc::{Flow, IpcError, Station, Subscriber, Turn, attend};
 use common::latency_log::{self, LatencyLog};
 use common::message::END_OF_STREAM;
+use common::messages::{ForTopic, Message};
 use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
 use common::recording::container::{Entry, Reader};
 use common::recording::{Gap, RecordedRef, RecordingError};
 use common::report::Report;
 use common::time::monotonic_ns;
-use common::topic::{ForTopic, Message, Topic};
-use common::topology::{RECORDER, Stage};
+use common::topic::Topic;
+use common::topology::{self, RECORDER, Stage};
 use tracing::{info, warn};
 
 use crate::fold::{Files, Fold};
@@ -112,7 +113,7 @@ fn stations(sites: &Sites) -> Result<Vec<Station>, IpcError> {
 /// both with them: woken by plots it would compete with the tracker for a processor, and cost the extractor a system call.
 fn woken_by(site: &ChainConfig) -> Vec<Topic> {
     let mut topics = vec![Topic::Tracks];
-    topics.extend((!site.runs("tracker")).then_some(Topic::Plots));
+    topics.extend((!topology::runs(site, "tracker")).then_some(Topic::Plots));
     topics.extend(site.recorder.dwells.then_some(Topic::Dwells));
     topics
 }

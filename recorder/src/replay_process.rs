@@ -6,12 +6,12 @@ use anyhow::Context;
 use common::config::ChainConfig;
 use common::ipc::{Publisher, Station};
 use common::message::END_OF_STREAM;
+use common::messages::{Dwells, Message, Plots, Tracks, Truth};
 use common::pace::Pace;
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
 use common::recording::Recorded;
 use common::time::monotonic_ns;
-use common::topic::{Dwells, Message, Plots, Tracks, Truth};
 use common::topology::last_in_processing;
 
 use crate::replay::{Playback, lineage_again};

@@ -8,11 +8,12 @@ use std::time::{Duration, Instant};
 use common::config::{self, ChainConfig};
 use common::ipc::{Publisher, Station};
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, Stamps};
+use common::messages::{Message, Plots, Tracks, Truth};
 use common::plots::{Plot, PlotsHeader};
 use common::recording::Recorded;
 use common::report::Report;
 use common::time::monotonic_ns;
-use common::topic::{Message, Plots, Topic, Tracks, Truth};
+use common::topic::Topic;
 use common::tracks::{CONFIRMED, Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget, VISIBLE};
 

@@ -3,6 +3,13 @@
 use common::config::Sites;
 use common::topology::{self, Stage};
 
+/// Name of the launcher among the processes.
+pub(crate) const LAUNCHER: &str = "radar-chain";
+/// Name of the process that keeps a chain for systemd.
+pub(crate) const KEEPER: &str = "keeper";
+/// Name of a process that looks at the status of a chain.
+pub(crate) const STATUS: &str = "status";
+
 /// A stage at its site.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct StageId {

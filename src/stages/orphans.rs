@@ -8,9 +8,7 @@ use common::ipc::{Domain, Inhabitant};
 use common::process::BadInput;
 use common::topology::Stage;
 
-use super::name::{StageId, label};
-use crate::keeper;
-use crate::watch::status;
+use super::name::{KEEPER, STATUS, StageId, label};
 
 /// Passing visitors of a domain, such as `radar-chain status`, have left after this time.
 const VISIT: Duration = Duration::from_secs(3);
@@ -78,8 +76,8 @@ impl Orphans {
     /// The stages that live in a domain, and whether somebody looks at its status.
     fn living(domain: &Domain) -> (Vec<Inhabitant>, bool) {
         let mut inhabitants = domain.inhabitants();
-        let visited = inhabitants.iter().any(|of| of.process == status::NAME);
-        inhabitants.retain(|of| of.process == keeper::NAME || Stage::from_name(&of.process).is_some());
+        let visited = inhabitants.iter().any(|of| of.process == STATUS);
+        inhabitants.retain(|of| of.process == KEEPER || Stage::from_name(&of.process).is_some());
         (inhabitants, visited)
     }
 

@@ -7,7 +7,7 @@ use common::health::{Health, ObserverLoss};
 use common::topic::Topic;
 use common::topology::Stage;
 
-use crate::stages::name::{StageId, label};
+use crate::stages::name::{LAUNCHER, StageId, label};
 
 /// The latest health reports of a chain.
 #[derive(Debug)]
@@ -82,7 +82,7 @@ impl Board {
 
     /// Restarts of stages so far, as the launcher says.
     pub(crate) fn restarts(&self) -> u32 {
-        self.first().of(crate::run::NAME).map_or(0, |launcher| launcher.restarts)
+        self.first().of(LAUNCHER).map_or(0, |launcher| launcher.restarts)
     }
 }
 

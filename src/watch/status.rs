@@ -7,15 +7,15 @@ use common::config::{Sites, load_sites};
 use common::health::{Condition, Health, RealtimeSetting};
 use common::ipc::{Domain, Flow, Station, Watchdog, attend};
 use common::latency::LATENCY_NAMES;
+use common::messages::HealthReports;
 use common::process::BadInput;
-use common::topic::{HealthReports, Topic};
+use common::topic::Topic;
 use serde_json::{Map, Value, json};
 
 use super::board::{Board, SiteBoard, data_inputs};
 use super::screen::picture;
+use crate::stages::name::STATUS;
 
-/// Name of the process.
-pub(crate) const NAME: &str = "status";
 /// Every process reports within a second.
 const LISTEN: Duration = Duration::from_millis(1500);
 
@@ -31,7 +31,7 @@ pub(crate) fn status(sites: &Sites, json: bool) -> anyhow::Result<ExitCode> {
         return Err(nobody().into());
     }
     let running = running_configuration(sites)?;
-    let station = Station::enter(NAME, running.first())?;
+    let station = Station::enter(STATUS, running.first())?;
     let (mut health, mut wakes) = (Vec::new(), Vec::new());
     for site in running.all() {
         let there = station.at(site);
@@ -40,7 +40,7 @@ pub(crate) fn status(sites: &Sites, json: bool) -> anyhow::Result<ExitCode> {
     }
     let wakes: Vec<_> = wakes.iter().collect();
     let (began, mut board) = (Instant::now(), Board::new(&running));
-    attend(&wakes, &Watchdog::new(running.first(), NAME), || -> anyhow::Result<Flow> {
+    attend(&wakes, &Watchdog::new(running.first(), STATUS), || -> anyhow::Result<Flow> {
         for site in &health {
             while let Some(report) = site.receive()? {
                 report.elements().iter().for_each(|health| board.note(health));

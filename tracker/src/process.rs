@@ -6,11 +6,12 @@ use anyhow::Context;
 use common::health::{Reject, Rejected};
 use common::ipc::{Flow, Station, Turn, attend};
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, TRUNCATED};
+use common::messages::{Message, Plots, Tracks};
 use common::plots::PlotsHeader;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
 use common::time::monotonic_ns;
-use common::topic::{Message, Plots, Topic, Tracks};
+use common::topic::Topic;
 use common::tracks::{MAX_TRACKS, Track, TracksHeader};
 
 use crate::{Taken, Tracker};

@@ -1,9 +1,8 @@
-//! Reading, overriding and checking a configuration.
+//! Reading tables, overriding keys, checking values.
 
 use std::path::{Path, PathBuf};
 
 use super::ChainConfig;
-use super::sites::{Sites, load_sites, parse_sites};
 
 /// Why a configuration cannot be used. Each is one line for the user, exit code 2.
 #[derive(Debug, thiserror::Error)]
@@ -50,37 +49,6 @@ pub enum ConfigError {
         /// The range in words.
         expected: String,
     },
-}
-
-/// Reads the configuration of one site from `path` (defaults alone without one), applies `overrides` of the form
-/// `table.key=value`, checks.
-///
-/// # Errors
-/// [`ConfigError`], naming the file, key or value and what was expected; the file is of several sites.
-pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
-    only(&load_sites(path, overrides)?)
-}
-
-/// A configuration that there is already, with `overrides` applied and checked.
-///
-/// # Errors
-/// As [`load`].
-pub fn adjust(config: &ChainConfig, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
-    parse(Path::new("recorded configuration"), &config.to_toml(), overrides)
-}
-
-/// As [`load`], from the text of a file; `path` is for messages.
-///
-/// # Errors
-/// As [`load`].
-pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
-    only(&parse_sites(path, text, overrides)?)
-}
-
-fn only(sites: &Sites) -> Result<ChainConfig, ConfigError> {
-    let count = sites.all().len();
-    require("site", format!("{count} sites"), count == 1, &format!("one of {} (--site)", sites.names().join(", ")))?;
-    Ok(sites.first().clone())
 }
 
 /// The text of a file; nothing without one.
@@ -151,50 +119,4 @@ pub(super) fn probability(key: &str, value: f64) -> Result<(), ConfigError> {
 pub(super) fn within(key: &str, value: u64, range: std::ops::RangeInclusive<u64>) -> Result<(), ConfigError> {
     let expected = format!("a whole number from {} to {}", range.start(), range.end());
     require(key, value, range.contains(&value), &expected)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn error(text: &str, overrides: &[&str]) -> String {
-        let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
-        parse(Path::new("x.toml"), text, &overrides).expect_err("must be refused").to_string()
-    }
-
-    #[test]
-    fn an_unknown_key_is_named() {
-        let message = error("[extractor]\npfaa = 1e-6\n", &[]);
-        assert!(message.starts_with("x.toml: key `extractor.pfaa`: unknown field"), "{message}");
-        assert!(!message.contains('\n'));
-        let message = error("", &["--", "x"]);
-        assert!(message.contains("expected table.key=value"), "{message}");
-    }
-
-    #[test]
-    fn a_negative_count_is_named() {
-        let message = error("[radar]\nranges = -3\n", &[]);
-        assert!(message.starts_with("x.toml: key `radar.ranges`: invalid value: integer `-3`"), "{message}");
-        let message = error("", &["radar.ranges=0"]);
-        assert!(message.starts_with("key `radar.ranges` is 0, expected a whole number from"), "{message}");
-    }
-
-    #[test]
-    fn an_override_wins_over_the_file_and_may_be_bare_text() {
-        let config = parse(
-            Path::new("x.toml"),
-            "[site]\nname = \"a\"\n[extractor]\npfa = 1e-3\n",
-            &["site.name=b".into(), "extractor.pfa=1e-4".into()],
-        )
-        .expect("valid");
-        assert_eq!(config.site.name, "b");
-        assert!((config.extractor.pfa - 1e-4).abs() < 1e-18);
-    }
-
-    #[test]
-    fn the_effective_configuration_reads_back_as_itself() {
-        let config = load(None, &[]).expect("defaults are valid");
-        let again = parse(Path::new("x.toml"), &config.to_toml(), &[]).expect("valid");
-        assert_eq!(config, again);
-    }
 }

@@ -26,7 +26,7 @@ mod tracker;
 pub use budget::{Budget, BudgetConfig};
 pub use extractor::ExtractorConfig;
 pub use ipc::IpcConfig;
-pub use load::{ConfigError, adjust, load, parse};
+pub use load::ConfigError;
 pub use plot_source::*;
 pub use radar::{RadarConfig, RadarGrid};
 pub use realtime::{RealtimeConfig, Scheduling, StageRealtime, WaitStrategy};
@@ -35,7 +35,7 @@ pub use replay::ReplayConfig;
 pub use run::{Mode, RunConfig, Source, Speed};
 pub use sim::{ClutterConfig, MotionConfig, SimConfig, Swerling, TargetConfig};
 pub use site::{Position, SiteConfig};
-pub use sites::{Sites, load_sites, parse_sites};
+pub use sites::{Sites, adjust, load, load_sites, parse, parse_sites};
 pub use soak::{MetricsConfig, SoakConfig};
 pub use supervision::{SupervisionConfig, WatchdogConfig};
 pub use tracker::*;
@@ -104,11 +104,6 @@ impl ChainConfig {
     /// The configuration as TOML, complete: what `radar-chain config` prints.
     pub fn to_toml(&self) -> String {
         toml::to_string(self).expect("a checked configuration can be written as TOML")
-    }
-
-    /// Whether a stage of this name runs at the site.
-    pub fn runs(&self, stage: &str) -> bool {
-        crate::topology::stages(self).iter().any(|of| of.name == stage)
     }
 
     /// The source that the data is from: of a replay, that of the recorded run.

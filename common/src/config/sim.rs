@@ -4,22 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use std::path::Path;
 
-use super::load::{ConfigError, not_negative, positive, require};
-use super::site::Position;
+pub use crate::amplitude::Swerling;
 
-/// How the amplitude of a target fluctuates from scan to scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Swerling {
-    /// Swerling 0: constant.
-    #[serde(rename = "0")]
-    Zero,
-    /// Swerling I: exponential power, one draw a scan.
-    #[serde(rename = "I")]
-    One,
-    /// Swerling III: χ² power with 4 degrees of freedom, one draw a scan.
-    #[serde(rename = "III")]
-    Three,
-}
+use super::load::{ConfigError, not_negative, positive, require};
+use super::site::{Position, check_position};
 
 /// How a target moves. Positions are east, north, up of the antenna in m.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -123,7 +111,7 @@ impl SimConfig {
     }
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        self.origin.map_or(Ok(()), |origin| origin.check("sim.origin"))?;
+        self.origin.map_or(Ok(()), |origin| check_position(&origin, "sim.origin"))?;
         not_negative("sim.clutter.range_m", self.clutter.range_m)?;
         require("sim.clutter.cnr_db", self.clutter.cnr_db, self.clutter.cnr_db.is_finite(), "a finite number")?;
         let shape = self.clutter.shape;

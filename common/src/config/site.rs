@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, require};
+pub use crate::geodesy::Position;
 
 /// Identity of the radar.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,29 +20,15 @@ pub struct SiteConfig {
     pub position: Option<Position>,
 }
 
-/// A place on the earth (WGS-84).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Position {
-    /// North, degrees.
-    pub latitude_deg: f64,
-    /// East, degrees.
-    pub longitude_deg: f64,
-    /// Above the ellipsoid, m.
-    #[serde(default)]
-    pub height_m: f64,
-}
-
-impl Position {
-    pub(super) fn check(&self, key: &str) -> Result<(), ConfigError> {
-        let within = |name: &str, value: f64, most: f64| {
-            let key = format!("{key}.{name}");
-            require(&key, value, value.abs() <= most, &format!("a number from -{most} to {most}"))
-        };
-        within("latitude_deg", self.latitude_deg, 90.0)?;
-        within("longitude_deg", self.longitude_deg, 180.0)?;
-        within("height_m", self.height_m, 100_000.0)
-    }
+/// Checks a place, which the configuration names `key`.
+pub(super) fn check_position(position: &Position, key: &str) -> Result<(), ConfigError> {
+    let within = |name: &str, value: f64, most: f64| {
+        let key = format!("{key}.{name}");
+        require(&key, value, value.abs() <= most, &format!("a number from -{most} to {most}"))
+    };
+    within("latitude_deg", position.latitude_deg, 90.0)?;
+    within("longitude_deg", position.longitude_deg, 180.0)?;
+    within("height_m", position.height_m, 100_000.0)
 }
 
 impl Default for SiteConfig {
@@ -56,7 +43,7 @@ impl SiteConfig {
             && self.name.len() <= 32
             && self.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
         require("site.name", &self.name, valid, "1 to 32 letters, digits, `-` or `_`")?;
-        self.position.map_or(Ok(()), |position| position.check("site.position"))
+        self.position.map_or(Ok(()), |position| check_position(&position, "site.position"))
     }
 
     /// SAC in the high byte, SIC in the low byte, as in messages.

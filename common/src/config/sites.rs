@@ -96,6 +96,37 @@ impl Sites {
     }
 }
 
+/// Reads the configuration of one site from `path` (defaults alone without one), applies `overrides` of the form
+/// `table.key=value`, checks.
+///
+/// # Errors
+/// [`ConfigError`], naming the file, key or value and what was expected; the file is of several sites.
+pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
+    only(&load_sites(path, overrides)?)
+}
+
+/// A configuration that there is already, with `overrides` applied and checked.
+///
+/// # Errors
+/// As [`load`].
+pub fn adjust(config: &ChainConfig, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
+    parse(Path::new("recorded configuration"), &config.to_toml(), overrides)
+}
+
+/// As [`load`], from the text of a file; `path` is for messages.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<ChainConfig, ConfigError> {
+    only(&parse_sites(path, text, overrides)?)
+}
+
+fn only(sites: &Sites) -> Result<ChainConfig, ConfigError> {
+    let count = sites.all().len();
+    require("site", format!("{count} sites"), count == 1, &format!("one of {} (--site)", sites.names().join(", ")))?;
+    Ok(sites.first().clone())
+}
+
 /// Reads `path` (defaults alone without one), applies `overrides` of the form `table.key=value`, checks. An override of a
 /// site's key counts for all sites; `site.NAME.table.key=value` for one.
 ///
@@ -243,6 +274,11 @@ fn check_together(sites: &Sites) -> Result<(), ConfigError> {
 mod tests {
     use super::*;
 
+    fn error_of(text: &str, overrides: &[&str]) -> String {
+        let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
+        parse(Path::new("x.toml"), text, &overrides).expect_err("must be refused").to_string()
+    }
+
     const TWO: &str = r#"
 [run]
 scans = 7
@@ -260,14 +296,14 @@ sic = 9
 source = "plot-source"
 "#;
 
-    fn parse(text: &str, overrides: &[&str]) -> Result<Sites, ConfigError> {
+    fn parse_text(text: &str, overrides: &[&str]) -> Result<Sites, ConfigError> {
         let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
         parse_sites(Path::new("x.toml"), text, &overrides)
     }
 
     #[test]
     fn sites_share_defaults_and_what_belongs_to_the_chain() {
-        let sites = parse(TWO, &["run.scans=9", "extractor.pfa=1e-4", "site.south.tracker.start_speed_mps=50.0"])
+        let sites = parse_text(TWO, &["run.scans=9", "extractor.pfa=1e-4", "site.south.tracker.start_speed_mps=50.0"])
             .expect("valid");
         let [north, south] = sites.all() else { panic!("two sites") };
         assert_eq!((north.run.scans, south.run.scans), (9, 9));
@@ -280,21 +316,57 @@ source = "plot-source"
 
     #[test]
     fn the_effective_configuration_of_several_sites_reads_back_as_itself() {
-        let sites = parse(TWO, &[]).expect("valid");
-        assert_eq!(parse(&sites.to_toml(), &[]).expect("valid"), sites);
-        let one = parse("[site]\nname = \"a\"", &[]).expect("valid");
-        assert!(one.only().is_some() && parse(&one.to_toml(), &[]).expect("valid") == one);
+        let sites = parse_text(TWO, &[]).expect("valid");
+        assert_eq!(parse_text(&sites.to_toml(), &[]).expect("valid"), sites);
+        let one = parse_text("[site]\nname = \"a\"", &[]).expect("valid");
+        assert!(one.only().is_some() && parse_text(&one.to_toml(), &[]).expect("valid") == one);
     }
 
     #[test]
     fn mistakes_name_the_site_and_the_key() {
-        let error = |text: &str, overrides: &[&str]| parse(text, overrides).expect_err("refused").to_string();
+        let error = |text: &str, overrides: &[&str]| parse_text(text, overrides).expect_err("refused").to_string();
         let with = |more: &str| format!("{TWO}{more}");
         assert!(error(&with("colour = 3"), &[]).contains("key `site[1].colour`: expected one of name, sac"));
         assert!(error(&with("[[site]]\nname = \"north\""), &[]).contains("site[2].name` is north"));
         assert!(error(&with("[tracker]\n"), &[]).contains("key `tracker`: with [[site]] it stands under [defaults]"));
         assert!(error(&with("[site.tracker]\nspeed = 1"), &[]).contains("x.toml, site `south`: key `tracker.speed`"));
-        let error = parse(TWO, &[]).expect("valid").named("east").expect_err("none").to_string();
+        let error = parse_text(TWO, &[]).expect("valid").named("east").expect_err("none").to_string();
         assert_eq!(error, "key `site` is east, expected one of north, south");
+    }
+
+    #[test]
+    fn an_unknown_key_is_named() {
+        let message = error_of("[extractor]\npfaa = 1e-6\n", &[]);
+        assert!(message.starts_with("x.toml: key `extractor.pfaa`: unknown field"), "{message}");
+        assert!(!message.contains('\n'));
+        let message = error_of("", &["--", "x"]);
+        assert!(message.contains("expected table.key=value"), "{message}");
+    }
+
+    #[test]
+    fn a_negative_count_is_named() {
+        let message = error_of("[radar]\nranges = -3\n", &[]);
+        assert!(message.starts_with("x.toml: key `radar.ranges`: invalid value: integer `-3`"), "{message}");
+        let message = error_of("", &["radar.ranges=0"]);
+        assert!(message.starts_with("key `radar.ranges` is 0, expected a whole number from"), "{message}");
+    }
+
+    #[test]
+    fn an_override_wins_over_the_file_and_may_be_bare_text() {
+        let config = parse(
+            Path::new("x.toml"),
+            "[site]\nname = \"a\"\n[extractor]\npfa = 1e-3\n",
+            &["site.name=b".into(), "extractor.pfa=1e-4".into()],
+        )
+        .expect("valid");
+        assert_eq!(config.site.name, "b");
+        assert!((config.extractor.pfa - 1e-4).abs() < 1e-18);
+    }
+
+    #[test]
+    fn the_effective_configuration_reads_back_as_itself() {
+        let config = load(None, &[]).expect("defaults are valid");
+        let again = parse(Path::new("x.toml"), &config.to_toml(), &[]).expect("valid");
+        assert_eq!(config, again);
     }
 }

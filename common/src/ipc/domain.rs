@@ -10,7 +10,9 @@ use iceoryx2::prelude::*;
 use super::IpcError;
 use crate::config::{ChainConfig, IpcConfig, Sites};
 use crate::fnv::fnv1a;
-use crate::topic::{ForTopic, Message, Topic};
+use crate::messages::{ForTopic, Message};
+use crate::topic::Topic;
+use crate::topology;
 
 /// Where shared-memory segments live on Linux.
 const SHARED_MEMORY: &str = "/dev/shm";
@@ -225,7 +227,7 @@ fn needed_by(site: &ChainConfig) -> u64 {
             (sample * samples) as u64
         }
     }
-    let cells = if site.runs("plot-extractor") { site.radar.grid().cells() } else { 0 };
+    let cells = if topology::runs(site, "plot-extractor") { site.radar.grid().cells() } else { 0 };
     let of_topic = |topic: Topic| match topic {
         Topic::Dwells => topic.apply(Segment(Some(cells))),
         Topic::HealthReports => PROCESSES * topic.apply(Segment(None)),

@@ -11,7 +11,8 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe;
 
 use super::IpcError;
-use super::station::{EventService, Ipc, MAX_NODES, Station};
+use super::services::{EventService, Ipc, MAX_NODES};
+use super::station::Station;
 use crate::time::monotonic_ns;
 
 /// Longest sleep of a receiver that is to look at its stop flag.

@@ -12,6 +12,7 @@ mod hop;
 mod intake;
 mod observers;
 mod publisher;
+mod services;
 mod station;
 mod subscriber;
 mod wait;

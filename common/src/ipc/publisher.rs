@@ -14,10 +14,10 @@ use iceoryx2::sample_mut::SampleMut;
 use super::IpcError;
 use super::domain::{Domain, LOANED, clean_dead_nodes};
 use super::observers::ObserverLosses;
-use super::station::{DataService, Ipc, PublisherServices};
+use super::services::{DataService, Ipc, PublisherServices};
 use crate::config::Mode;
-use crate::process;
-use crate::topic::Message;
+use crate::messages::Message;
+use crate::stop;
 use crate::topology::{RECORDER, Stage};
 
 /// How often a publisher that waits looks for dead consumers, ms.
@@ -113,7 +113,7 @@ impl<M: Message> Publisher<M> {
                         } else if waited_ms >= last_ms + CLEAN_INTERVAL_MS {
                             cleaned_ms.store(waited_ms, Ordering::Relaxed);
                             clean_dead_nodes(&config);
-                            process::say_waiting();
+                            stop::say_waiting();
                         }
                         BackpressureAction::Retry
                     },
@@ -178,7 +178,7 @@ impl<M: Message> Publisher<M> {
         let began = Instant::now();
         sample.send().map_err(|cause| Self::failed(&cause))?;
         if self.blocked.swap(false, Ordering::Relaxed) {
-            process::note_waiting(began.elapsed());
+            stop::note_waiting(began.elapsed());
         }
         self.wake();
         Ok(())
@@ -206,7 +206,7 @@ impl<M: Message> Publisher<M> {
             if missing == 0 {
                 break;
             }
-            if process::stop_requested() && (!self.started.get() || began.elapsed() > FIRST_WAIT) {
+            if stop::stop_requested() && (!self.started.get() || began.elapsed() > FIRST_WAIT) {
                 return Err(IpcError::Stopped { topic });
             }
             if missing != bit(RECORDER) {
@@ -220,7 +220,7 @@ impl<M: Message> Publisher<M> {
             if cleaned.elapsed() > Duration::from_millis(CLEAN_INTERVAL_MS) {
                 cleaned = Instant::now();
                 self.domain.clean_dead_nodes();
-                process::say_waiting();
+                stop::say_waiting();
             }
             if !told && began.elapsed() > Duration::from_secs(2) {
                 told = true;
@@ -229,7 +229,7 @@ impl<M: Message> Publisher<M> {
             std::thread::sleep(Duration::from_millis(1));
         }
         self.started.set(true);
-        process::note_waiting(began.elapsed());
+        stop::note_waiting(began.elapsed());
         Ok(())
     }
 

@@ -4,18 +4,15 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use iceoryx2::prelude::*;
-use iceoryx2::service::port_factory::{event, publish_subscribe};
 
 use super::domain::{BORROWED, Domain, Inhabitant};
 use super::observers::ObserverLosses;
+use super::services::{DataService, EventService, Ipc, MAX_NODES, PublisherServices};
 use super::{IpcError, Publisher, Subscriber, Wake};
 use crate::config::{ChainConfig, Mode};
-use crate::topic::{ForTopic, HealthReports, Message, TOPICS, Topic};
+use crate::messages::{ForTopic, HealthReports, Message};
+use crate::topic::{TOPICS, Topic};
 use crate::topology::{STAGES, required_consumers};
-
-pub(super) type Ipc = ipc::Service;
-pub(super) type DataService<M> = publish_subscribe::PortFactory<Ipc, [<M as Message>::Element], <M as Message>::Header>;
-pub(super) type EventService = event::PortFactory<Ipc>;
 
 /// One process at one site of a domain.
 #[derive(Debug)]
@@ -28,13 +25,6 @@ pub struct Station {
     /// Stages that publishers of each topic wait for, one bit each.
     required: [u32; TOPICS],
     losses: ObserverLosses,
-}
-
-/// What a publisher needs: its messages, telling of their arrival, being told of consumers.
-pub(super) struct PublisherServices<M: Message> {
-    pub(super) data: Arc<DataService<M>>,
-    pub(super) arrival: EventService,
-    pub(super) ready: EventService,
 }
 
 /// All services of a site, held open so that no death of a stage can leave one half made.
@@ -232,9 +222,6 @@ impl Station {
             .map_err(|cause| error(explain(&format!("{cause:?}"))))
     }
 }
-
-/// Processes that may use a service at once, those not yet cleaned up included.
-pub(super) const MAX_NODES: usize = 24;
 
 /// Adds what a user can do about it to iceoryx2's names of errors.
 fn explain(cause: &str) -> String {

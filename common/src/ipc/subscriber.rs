@@ -7,10 +7,10 @@ use iceoryx2::prelude::*;
 
 use super::IpcError;
 use super::intake::count_intake;
-use super::station::{DataService, EventService, Ipc};
+use super::services::{DataService, EventService, Ipc};
 use crate::health::Intake;
 use crate::message::{Header, Place};
-use crate::topic::Message;
+use crate::messages::Message;
 use crate::topology::Stage;
 
 /// Receives messages of one topic and counts the missing ones.

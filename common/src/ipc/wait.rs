@@ -8,10 +8,10 @@ use iceoryx2::port::listener::Listener;
 use iceoryx2::prelude::*;
 
 use super::IpcError;
-use super::station::{EventService, Ipc};
+use super::services::{EventService, Ipc};
 use crate::config::{ChainConfig, WaitStrategy};
 use crate::health::{Condition, Health};
-use crate::process;
+use crate::stop;
 use crate::topic::Topic;
 
 /// Longest sleep: the stop flag and the health report are looked after this often.
@@ -171,10 +171,10 @@ pub fn attend<E: From<IpcError>>(
     mut step: impl FnMut() -> Result<Flow, E>,
 ) -> Result<(), E> {
     let mut timed_step = || {
-        let (began, waited) = (Instant::now(), process::waited());
+        let (began, waited) = (Instant::now(), stop::waited());
         let flow = step();
         // What it waited for its consumers is not its own slowness.
-        let worked = began.elapsed().saturating_sub(process::waited().saturating_sub(waited));
+        let worked = began.elapsed().saturating_sub(stop::waited().saturating_sub(waited));
         watchdog.step(worked, !matches!(flow, Ok(Flow::Again)));
         flow
     };

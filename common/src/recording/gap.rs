@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::topic::{RecordedRef, Topic};
+use crate::messages::RecordedRef;
+use crate::topic::Topic;
 
 /// Why messages are missing from a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

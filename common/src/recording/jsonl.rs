@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::{Recorded, RecordedRef, RecordingError};
-use crate::topic::{ForMessage, ForTopic, Message, Topic};
+use crate::messages::{ForMessage, ForTopic, Message};
+use crate::topic::Topic;
 
 /// A line as it is written.
 #[derive(Serialize)]

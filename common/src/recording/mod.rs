@@ -10,7 +10,7 @@ pub(crate) mod not_known;
 mod parts;
 pub mod row;
 
-pub use crate::topic::{Recorded, RecordedRef};
+pub use crate::messages::{Recorded, RecordedRef};
 pub use gap::{Gap, GapReason};
 pub use parts::{part_name, parts_from, parts_of, parts_of_run, run_and_part};
 

@@ -5,8 +5,6 @@
 
 use std::io;
 
-use crate::tracks::STATE;
-
 /// A value of a column.
 #[derive(Debug, Clone, Copy)]
 pub enum Value<'a> {
@@ -51,22 +49,6 @@ pub trait Row<H> {
     /// The table cannot be written.
     fn put_row(&self, header: &H, table: &mut dyn Table) -> io::Result<()>;
 }
-
-/// Names of the components of the state.
-pub(crate) const STATE_COLUMNS: [&str; STATE] =
-    ["x_m", "vx_mps", "ax_mps2", "y_m", "vy_mps", "ay_mps2", "z_m", "vz_mps", "az_mps2"];
-/// Names of their standard errors.
-pub(crate) const SIGMA_COLUMNS: [&str; STATE] = [
-    "sigma_x_m",
-    "sigma_vx_mps",
-    "sigma_ax_mps2",
-    "sigma_y_m",
-    "sigma_vy_mps",
-    "sigma_ay_mps2",
-    "sigma_z_m",
-    "sigma_vz_mps",
-    "sigma_az_mps2",
-];
 
 /// Puts a value into each of the columns.
 pub(crate) fn put_all<const N: usize>(columns: &[&str; N], values: &[f64; N], table: &mut dyn Table) -> io::Result<()> {

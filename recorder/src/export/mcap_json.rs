@@ -8,9 +8,10 @@
 use std::fs::File;
 use std::io::BufWriter;
 
+use common::messages::{ForMessage, ForTopic, Message};
 use common::recording::container::Description;
 use common::recording::{RecordedRef, RecordingError};
-use common::topic::{ForMessage, ForTopic, Message, TOPICS, Topic};
+use common::topic::{TOPICS, Topic};
 use mcap::records::{MessageHeader, Metadata};
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;

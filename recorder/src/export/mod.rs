@@ -14,10 +14,11 @@ use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
+use common::messages::{ForMessage, ForTopic, Message};
 use common::recording::container::Description;
 use common::recording::row::{Row, Table};
 use common::recording::{Recorded, RecordedRef, RecordingError, jsonl};
-use common::topic::{ForMessage, ForTopic, Message, Topic};
+use common::topic::Topic;
 
 use csv_table::CsvTable;
 use mcap_json::McapJson;

@@ -36,7 +36,7 @@ pub(super) fn findings(
         findings.push(format!("{reached:.2} × real time reached, {factor} × asked for: the chain is too slow for it"));
     }
     // Dwells go to a plot extractor only.
-    let first = if chain.runs("plot-extractor") { 0 } else { Latency::HopPlots as usize };
+    let first = if common::topology::runs(chain, "plot-extractor") { 0 } else { Latency::HopPlots as usize };
     for name in &LATENCY_NAMES[first..] {
         if report.latency_us.get(*name).is_none_or(|latency| latency.n == 0) {
             findings.push(format!("{name}: no values, nothing is known of its budget"));

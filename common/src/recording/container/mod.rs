@@ -26,7 +26,8 @@ use std::collections::BTreeMap;
 use bincode::config::{Configuration, Fixint, LittleEndian};
 
 use super::{RecordedRef, RecordingError};
-use crate::topic::{ForMessage, ForTopic, Message, Topic};
+use crate::messages::{ForMessage, ForTopic, Message};
+use crate::topic::Topic;
 
 /// The first bytes of every MCAP file.
 pub const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];

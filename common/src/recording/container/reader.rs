@@ -10,8 +10,9 @@ use serde::de::DeserializeOwned;
 use super::blocks::{Block, Blocks, BlocksAhead, End};
 use super::{Description, ENCODING, GAPS, encoding, schema};
 use crate::dwell::DwellHeader;
+use crate::messages::{ForTopic, Message};
 use crate::recording::{Gap, Recorded, RecordingError};
-use crate::topic::{ForTopic, Message, Topic};
+use crate::topic::Topic;
 
 /// What lies in a recording.
 #[expect(clippy::large_enum_variant, reason = "nearly all entries are messages")]
