@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
+use common::config::Source;
 use common::report::Report;
+use common::topology::{Role, STAGES, Stage};
 use support::{DEADLINE, UNITS, signal};
 
 /// The lines of a unit and of the drop-in for all units of the chain.
@@ -232,5 +234,28 @@ fn the_units_lines_start_restart_after_a_kill_and_stop_in_order_without_systemd(
         let part = part.expect("an entry").path();
         let whole = common::recording::open(&part).expect("a recording").map_while(Result::ok).count();
         assert!(whole > 20, "{}: {whole} messages", part.display());
+    }
+}
+
+/// Every stage of the table that a chain can be started with has a unit, which starts after the stages that it waits for.
+#[test]
+fn the_units_are_those_of_the_table_of_stages() {
+    let chain = common::config::ChainConfig::default();
+    let started = STAGES.iter().filter(|stage| stage.role != Role::Source(Source::Replay));
+    for stage in started {
+        let unit = Unit::read(stage.name);
+        let command = unit.value("ExecStart");
+        assert!(command.starts_with(&format!("/usr/local/bin/radar-chain stage {} ", stage.name)), "{command}");
+        assert_eq!(command.contains("--resume scan"), stage.is_source(), "{command}");
+        let after = unit.value("After");
+        let reads = |consumer: &&Stage| stage.outputs.iter().any(|&topic| consumer.requires(topic, &chain));
+        for consumer in STAGES.iter().filter(reads) {
+            assert!(after.contains(&format!("radar-chain-{}.service", consumer.name)), "{}: {after}", stage.name);
+        }
+        for other in STAGES.iter().filter(|other| other.is_source() && stage.is_source() && other.name != stage.name) {
+            let conflict = format!("radar-chain-{}.service", other.name);
+            let has_unit = other.role != Role::Source(Source::Replay);
+            assert!(!has_unit || unit.value("Conflicts").contains(&conflict), "{}", stage.name);
+        }
     }
 }
