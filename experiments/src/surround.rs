@@ -13,11 +13,11 @@ use common::angle;
 use common::config::GateRule;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Exp1, Poisson};
+use tracker::association::gate::{Gate, Radar};
 use tracker::association::{Rules, Surroundings};
-use tracker::gate::{Gate, Radar};
-use tracker::imm::Imm;
-use tracker::measurement::{COORDINATES, Expected, Measurement};
-use tracker::motion::{MANOEUVRE, MODES};
+use tracker::filter::uav::imm::Imm;
+use tracker::filter::uav::motion::{MANOEUVRE, MODES};
+use tracker::plots::measurement::{COORDINATES, Expected, Measurement};
 
 use crate::world::{offset, plot, radar};
 

@@ -16,9 +16,9 @@ use nalgebra::Vector3;
 use radar_sim::motion::{Kinematics, Segments};
 use rand::Rng;
 use rand_distr::{Distribution, Exp1, Gamma, StandardNormal};
-use tracker::gate::Radar;
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::{CONSTANT_VELOCITY, HOVER, MANOEUVRE};
+use tracker::association::gate::Radar;
+use tracker::filter::uav::motion::{CONSTANT_VELOCITY, HOVER, MANOEUVRE};
+use tracker::plots::measurement::{COORDINATES, Measurement};
 
 use crate::trajectory::{SCANS, Trajectory};
 

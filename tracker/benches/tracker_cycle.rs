@@ -28,15 +28,15 @@ use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot};
 use common::random::{Purpose, generator};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use rand::RngExt;
+use tracker::association::gate::Radar;
 use tracker::association::{FalsePlots, Rules, Surroundings};
-use tracker::batch::{Bank, Kernel, Offer, Scan};
-use tracker::gate::Radar;
-use tracker::imm::{Imm, transition};
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::Motion;
-use tracker::plot_index::{PlotIndex, Window};
-use tracker::start::two_plots;
-use tracker::update::{Workspace, update};
+use tracker::filter::uav::batch::{Bank, Kernel, Offer, Scan};
+use tracker::filter::uav::imm::{Imm, transition};
+use tracker::filter::uav::motion::Motion;
+use tracker::filter::uav::start::two_plots;
+use tracker::filter::uav::update::{Workspace, update};
+use tracker::plots::index::{PlotIndex, Window};
+use tracker::plots::measurement::{COORDINATES, Measurement};
 
 /// Plots in each gate.
 const PLOTS: usize = 5;

@@ -161,7 +161,7 @@ impl Running {
             self.plots.clear();
             self.plots.extend(plots.iter().map(|plot| Plot { time_ns: plot.time_ns + start_ns, ..*plot }));
             let begin = Instant::now();
-            let taken = self.tracker.take(black_box(&header), black_box(&self.plots), &mut self.tracks);
+            let taken = self.tracker.process_plots(black_box(&header), black_box(&self.plots), &mut self.tracks);
             spent += begin.elapsed();
             counts.tracks += self.tracks.len();
             counts.confirmed += self.tracks.iter().filter(|track| track.is_confirmed()).count();

@@ -13,7 +13,7 @@ use common::services::{Consumer, MAX_TRACKS, Plots, Topic, Tracks};
 use common::time::monotonic_ns;
 use common::tracks::{Track, TracksHeader};
 
-use crate::{Taken, Tracker};
+use crate::{Processed, Tracker};
 
 /// Name of the process.
 pub const NAME: &str = "tracker";
@@ -42,7 +42,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             && let Some(message) = plots.receive()?
         {
             let received_ns = monotonic_ns();
-            let taken = tracker.take(message.header(), message.elements(), &mut tracks);
+            let taken = tracker.process_plots(message.header(), message.elements(), &mut tracks);
             let mut header = header_of(message.header(), &taken, reporter.health.messages_out, received_ns);
             keep_what_fits(&mut tracks, &mut header);
             let published = publisher.publish(&header, &tracks, |header| {
@@ -86,7 +86,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
 
 /// Header of the tracks that the plots under `plots` have brought up to date, after
 /// `taken_before` other messages of this session.
-pub fn header_of(plots: &PlotsHeader, taken: &Taken, taken_before: u64, received_ns: u64) -> TracksHeader {
+pub fn header_of(plots: &PlotsHeader, taken: &Processed, taken_before: u64, received_ns: u64) -> TracksHeader {
     let mut stamps = plots.stamps;
     stamps.tracker_in_ns = received_ns;
     TracksHeader {

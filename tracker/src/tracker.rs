@@ -8,12 +8,12 @@
 //! ```
 //!
 //! A track is processed once per passage of the beam, as soon as the upper azimuth edge of its gates is
-//! covered. All angles are unwrapped ([`crate::sweep`]), so north is no special place. Nothing here
+//! covered. All angles are unwrapped ([`crate::beam::sweep`]), so north is no special place. Nothing here
 //! depends on the time of day, on threads or on the order of plots in a message.
 
 mod births;
 mod duplicates;
-mod passages;
+mod updates;
 
 use common::config::{ConfigError, TrackerConfig};
 use common::health::{Reject, Rejected};
@@ -21,16 +21,17 @@ use common::message::END_OF_STREAM;
 use common::plots::{Plot, PlotsHeader};
 use common::tracks::{TERMINATED, Track};
 
-use crate::agenda::Agenda;
 use crate::association::Rules;
-use crate::initiation::Reach;
-use crate::measurement::Measurement;
-use crate::plot_store::{Entry, PlotStore};
-use crate::roster::{Handle, Roster};
-use crate::site::{self, Site};
-use crate::sweep::{Continuation, Sweep};
+use crate::beam::agenda::Agenda;
+use crate::beam::sweep::{Continuation, Sweep};
+use crate::environment::{self, Site};
+use crate::plots::measurement::Measurement;
+use crate::plots::store::{Entry, PlotStore};
+use crate::tracks::handle::Handle;
+use crate::tracks::initiation::Reach;
+use crate::tracks::store::TrackStore;
 use births::Earlier;
-use passages::Passages;
+use updates::Passages;
 
 /// Association weight with a confirmed track from which a plot starts no new one and is no evidence for a tentative one.
 const EXPLAINED: f64 = 0.2;
@@ -39,7 +40,7 @@ const LATE_CELLS: f64 = 2.0;
 
 /// What became of one message.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-pub struct Taken {
+pub struct Processed {
     /// Input that was not used, by reason.
     pub rejected: Rejected,
     /// Tracks alive, of any state.
@@ -57,7 +58,7 @@ pub struct Tracker {
     sweep: Sweep,
     plots: PlotStore,
     site: Option<Site>,
-    tracks: Roster,
+    tracks: TrackStore,
     agenda: Agenda,
     next_id: u64,
     /// Of the tracks, those that are confirmed or coasting.
@@ -82,7 +83,7 @@ impl Tracker {
             sweep: Sweep::default(),
             plots: PlotStore::default(),
             site: None,
-            tracks: Roster::default(),
+            tracks: TrackStore::default(),
             agenda: Agenda::default(),
             next_id: first_id,
             confirmed: 0,
@@ -101,10 +102,10 @@ impl Tracker {
 
     /// Takes the plots of one sector and replaces `tracks` by the tracks that it brought up to date:
     /// processed, started, or ended (once, as `TERMINATED`).
-    pub fn take(&mut self, header: &PlotsHeader, plots: &[Plot], tracks: &mut Vec<Track>) -> Taken {
-        let mut taken = Taken::default();
+    pub fn process_plots(&mut self, header: &PlotsHeader, plots: &[Plot], tracks: &mut Vec<Track>) -> Processed {
+        let mut taken = Processed::default();
         tracks.clear();
-        if !site::is_possible(header) {
+        if !environment::is_possible(header) {
             taken.rejected.count(Reject::BadHeader);
             return self.counted(taken);
         }
@@ -121,7 +122,7 @@ impl Tracker {
                 self.end_all(tracks);
             }
         }
-        // Taken out, so that tracks and site can be borrowed side by side.
+        // Processed out, so that tracks and site can be borrowed side by side.
         let mut site = match self.site.take() {
             Some(site) if site.is_described_by(header) => site,
             _ => Site::new(header, &self.config),
@@ -155,11 +156,11 @@ impl Tracker {
     }
 
     /// Tracks alive.
-    pub fn alive(&self) -> &Roster {
+    pub fn alive(&self) -> &TrackStore {
         &self.tracks
     }
 
-    fn counted(&self, mut taken: Taken) -> Taken {
+    fn counted(&self, mut taken: Processed) -> Processed {
         taken.alive = self.tracks.len() as u32;
         taken.confirmed = self.confirmed;
         taken

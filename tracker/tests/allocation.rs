@@ -7,12 +7,12 @@ use common::config::{Association, Clutter, GateRule, Logic, TrackerConfig};
 use harness::{FLEET, Target, Turning, messages};
 use nalgebra::Vector3;
 use tracker::Tracker;
-use tracker::batch::{Bank, Kernel, Offer, Scan};
-use tracker::gate::Radar;
-use tracker::imm::transition;
-use tracker::measurement::Measurement;
-use tracker::motion::Motion;
-use tracker::start::two_plots;
+use tracker::association::gate::Radar;
+use tracker::filter::uav::batch::{Bank, Kernel, Offer, Scan};
+use tracker::filter::uav::imm::transition;
+use tracker::filter::uav::motion::Motion;
+use tracker::filter::uav::start::two_plots;
+use tracker::plots::measurement::Measurement;
 
 const TARGETS: [Target; 2] = [
     |time_s| (Vector3::new(800.0 - 5.0 * time_s, 1500.0, 120.0), Vector3::new(-5.0, 0.0, 0.0)),
@@ -51,7 +51,7 @@ fn nothing_is_allocated(config: &TrackerConfig, targets: &[Target]) {
     let later_ns = u64::from(scans) * 1_000_000_000;
     for _ in 0..4 {
         for (header, plots) in &stream {
-            tracker.take(header, plots, &mut tracks);
+            tracker.process_plots(header, plots, &mut tracks);
             last_id = tracks.iter().map(|track| track.id).fold(last_id, u64::max);
         }
         for (header, plots) in &mut stream {
@@ -65,7 +65,7 @@ fn nothing_is_allocated(config: &TrackerConfig, targets: &[Target]) {
     let (mut alive, mut started) = (0, 0);
     let counted = measure(|| {
         for (header, plots) in &stream {
-            alive += tracker.take(header, plots, &mut tracks).alive;
+            alive += tracker.process_plots(header, plots, &mut tracks).alive;
             for track in &tracks {
                 started += u32::from(track.id > last_id);
                 last_id = last_id.max(track.id);

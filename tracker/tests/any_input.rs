@@ -147,7 +147,7 @@ fn follow(stream: &[Message], config: &TrackerConfig, full: bool, check: impl Fn
         };
         let plots: Vec<Plot> =
             message.plots.iter().map(|plot| Plot { time_ns: plot.time_ns / 4 + start_ns, ..*plot }).collect();
-        let taken = tracker.take(&header, &plots, &mut tracks);
+        let taken = tracker.process_plots(&header, &plots, &mut tracks);
         tracks.iter().for_each(&check);
         let confirmed = tracker.alive().iter().filter(|track| track.life.is_confirmed()).count();
         assert_eq!((taken.alive as usize, taken.confirmed as usize), (tracker.alive().iter().count(), confirmed));

@@ -10,15 +10,15 @@ use common::random::{Purpose, generator};
 use nalgebra::{Matrix4, SMatrix, Vector3, Vector4};
 use proptest::prelude::*;
 use rand_distr::{Distribution, StandardNormal};
+use tracker::association::gate::Radar;
+use tracker::association::hypotheses::{Hypotheses, Room};
 use tracker::association::{FalsePlots, Rules, Surroundings};
-use tracker::gate::Radar;
-use tracker::hypotheses::{Hypotheses, Room};
-use tracker::imm::{Imm, transition};
-use tracker::measurement::{COORDINATES, LineOfSight, Measurement, position_covariance};
-use tracker::motion::{DIMENSIONS, MODES, Motion};
-use tracker::start::two_plots;
-use tracker::state::at;
-use tracker::update::{Workspace, update};
+use tracker::filter::gaussian::at;
+use tracker::filter::uav::imm::{Imm, transition};
+use tracker::filter::uav::motion::{DIMENSIONS, MODES, Motion};
+use tracker::filter::uav::start::two_plots;
+use tracker::filter::uav::update::{Workspace, update};
+use tracker::plots::measurement::{COORDINATES, LineOfSight, Measurement, position_covariance};
 
 const CELL: [f64; COORDINATES] = [69.3, 0.006, 0.006, 34.6];
 

@@ -12,14 +12,14 @@ use common::geometry::Polar;
 use common::tracks;
 use nalgebra::{SMatrix, SVector};
 use serde_json::Value;
+use tracker::association::gate::{Gate, Radar, own_probability};
 use tracker::association::{FalsePlots, Rules, Surroundings};
-use tracker::gate::{Gate, Radar, own_probability};
-use tracker::imm::Imm;
-use tracker::measurement::{COORDINATES, Expected, LineOfSight, Measurement, position_covariance};
-use tracker::motion::{MANOEUVRE, MODES, Motion};
-use tracker::start;
-use tracker::state::{Gaussian, at};
-use tracker::update::{Workspace, update};
+use tracker::filter::gaussian::{Gaussian, at};
+use tracker::filter::uav::imm::Imm;
+use tracker::filter::uav::motion::{MANOEUVRE, MODES, Motion};
+use tracker::filter::uav::start;
+use tracker::filter::uav::update::{Workspace, update};
+use tracker::plots::measurement::{COORDINATES, Expected, LineOfSight, Measurement, position_covariance};
 
 const STATE: usize = 9;
 /// Our axis (east, north, up) of each axis of the files.

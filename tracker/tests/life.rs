@@ -11,7 +11,7 @@ use common::tracks::{STATE, TERMINATED, Track, pack};
 use harness::{EPOCH_NS, FLEET, SECTORS, Target, Turning, messages};
 use nalgebra::Vector3;
 use tracker::Tracker;
-use tracker::track::LiveTrack;
+use tracker::tracks::track::LiveTrack;
 
 type Stream = Vec<(PlotsHeader, Vec<Plot>)>;
 
@@ -25,7 +25,7 @@ fn follow(mut tracker: Tracker, stream: &Stream) -> Vec<Vec<Track>> {
     stream
         .iter()
         .map(|(header, plots)| {
-            tracker.take(header, plots, &mut tracks);
+            tracker.process_plots(header, plots, &mut tracks);
             tracks.clone()
         })
         .collect()
@@ -221,14 +221,14 @@ fn late_lost_and_impossible_input_is_survived() {
         if index % 50 == 7 || (20 * 32..25 * 32).contains(&index) {
             continue;
         }
-        let taken = tracker.take(header, plots, &mut tracks);
+        let taken = tracker.process_plots(header, plots, &mut tracks);
         bad += taken.rejected.of(Reject::BadPlot);
         for track in tracks.iter().filter(|track| track.is_confirmed()) {
             *confirmed.entry(track.id).or_insert(0) += 1;
         }
         if index == 100 {
             late = tracker
-                .take(header, &[plots.as_slice(), &[Plot::default()]].concat(), &mut tracks)
+                .process_plots(header, &[plots.as_slice(), &[Plot::default()]].concat(), &mut tracks)
                 .rejected
                 .of(Reject::Late);
             assert!(tracks.is_empty());
@@ -237,7 +237,7 @@ fn late_lost_and_impossible_input_is_survived() {
     assert_eq!((bad, late), (1, 1 + stream[100].1.len() as u64));
     assert_eq!(confirmed.len(), 1, "{confirmed:?}");
     let broken = PlotsHeader { scan_period_s: f64::NAN, ..stream[0].0 };
-    assert_eq!(tracker.take(&broken, &[], &mut tracks).rejected.of(Reject::BadHeader), 1);
+    assert_eq!(tracker.process_plots(&broken, &[], &mut tracks).rejected.of(Reject::BadHeader), 1);
 }
 
 #[test]
@@ -253,11 +253,11 @@ fn a_new_session_keeps_the_tracks_and_time_going_back_ends_them() {
         } else {
             *header
         };
-        tracker.take(&header, plots, &mut tracks);
+        tracker.process_plots(&header, plots, &mut tracks);
     }
     let alive = tracker.alive().iter().find(|track| track.life.is_confirmed()).expect("kept");
     assert!(alive.life.age >= 38 && alive.life.hits >= 38, "{:?}", alive.life);
-    tracker.take(&PlotsHeader { session: 3, ..stream[0].0 }, &[], &mut tracks);
+    tracker.process_plots(&PlotsHeader { session: 3, ..stream[0].0 }, &[], &mut tracks);
     assert!(!tracks.is_empty() && tracks.iter().all(|track| track.state_code == TERMINATED));
     assert!(tracker.alive().is_empty());
 }
@@ -348,7 +348,7 @@ fn strong_targets_among_many_false_plots_keep_one_track_each() {
             let mut tracker = Tracker::new(&TrackerConfig::default(), 1).expect("valid");
             let (mut tracks, mut ids) = (Vec::new(), BTreeSet::new());
             for (header, plots) in &stream {
-                tracker.take(header, plots, &mut tracks);
+                tracker.process_plots(header, plots, &mut tracks);
                 ids.extend(tracks.iter().filter(|track| track.is_confirmed()).map(|track| track.id));
             }
             let confirmed: Vec<_> = tracker.alive().iter().filter(|track| track.life.is_confirmed()).collect();
@@ -390,7 +390,7 @@ fn confirmed_by_scan(stream: &Stream) -> BTreeMap<u32, BTreeSet<u64>> {
     let mut tracker = Tracker::new(&TrackerConfig::default(), 1).expect("valid");
     let (mut tracks, mut scans) = (Vec::new(), BTreeMap::new());
     for (header, plots) in stream {
-        tracker.take(header, plots, &mut tracks);
+        tracker.process_plots(header, plots, &mut tracks);
         let confirmed = tracker.alive().iter().filter(|track| track.life.is_confirmed()).map(|track| track.id);
         scans.insert(header.scan, confirmed.collect());
     }

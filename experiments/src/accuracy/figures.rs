@@ -2,8 +2,8 @@
 
 use common::config::Swerling;
 use evaluation::rms::rms;
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::MODES;
+use tracker::filter::uav::motion::MODES;
+use tracker::plots::measurement::{COORDINATES, Measurement};
 
 use super::plots::{Runs, SETTINGS};
 use crate::figures::{Axis, Figure, GREY, Panel, Series, Shape};

@@ -3,10 +3,10 @@
 use evaluation::consistency::normalised_square;
 use nalgebra::{Matrix3, Vector3};
 use radar_sim::motion::Kinematics;
-use tracker::gate::Gate;
-use tracker::imm::Imm;
-use tracker::motion::MODES;
-use tracker::update::Outcome;
+use tracker::association::gate::Gate;
+use tracker::filter::uav::imm::Imm;
+use tracker::filter::uav::motion::MODES;
+use tracker::filter::uav::update::Outcome;
 
 use crate::world::Sight;
 

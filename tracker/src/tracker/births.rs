@@ -9,16 +9,16 @@ use common::tracks::Track;
 use common::units::seconds_between;
 
 use super::{EXPLAINED, Tracker};
-use crate::amplitude::Amplitude;
-use crate::initiation::Reach;
-use crate::life::Life;
-use crate::measurement::Measurement;
-use crate::motion::MODES;
-use crate::plot_index::{PlotIndex, Window};
-use crate::plot_store::{Entry, PlotStore};
-use crate::site::Site;
-use crate::start::two_plots;
-use crate::track::{LastScan, LiveTrack, Passage};
+use crate::environment::Site;
+use crate::filter::uav::motion::MODES;
+use crate::filter::uav::start::two_plots;
+use crate::plots::index::{PlotIndex, Window};
+use crate::plots::measurement::Measurement;
+use crate::plots::store::{Entry, PlotStore};
+use crate::tracks::amplitude::Amplitude;
+use crate::tracks::initiation::Reach;
+use crate::tracks::life::Life;
+use crate::tracks::track::{LastScan, LiveTrack, Passage};
 
 /// Mode probabilities of a new track.
 const START_PROBABILITY: [f64; MODES] = [0.33, 0.34, 0.33];

@@ -5,7 +5,7 @@
 use common::tracks::Track;
 
 use super::Tracker;
-use crate::track::Twin;
+use crate::tracks::track::Twin;
 
 /// Scans in which two tracks share their best plot before one of them goes: if one is tentative, and if both are confirmed.
 const SHARED_SCANS: [u32; 2] = [2, 6];

@@ -6,11 +6,11 @@ use common::geometry::{Polar, range_rate_mps};
 use nalgebra::Vector3;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
-use tracker::gate::Radar;
-use tracker::imm::Imm;
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::Motion;
-use tracker::start::two_plots;
+use tracker::association::gate::Radar;
+use tracker::filter::uav::imm::Imm;
+use tracker::filter::uav::motion::Motion;
+use tracker::filter::uav::start::two_plots;
+use tracker::plots::measurement::{COORDINATES, Measurement};
 
 /// Errors of (r, β, ε, ṙ); m, rad, rad, m/s.
 pub(crate) const SIGMA: [f64; COORDINATES] = [20.0, 0.0017, 0.0017, 10.0];

@@ -13,12 +13,12 @@ use flight::{ALPHA, Flight, motion, radar};
 use plain::Choice;
 use pulp::Arch;
 use rand::RngExt;
-use tracker::batch::{Bank, Block, Candidates, Forecast, Kernel, LANES, Offer, Row, Scan, Step, Weights};
-use tracker::gate::{Radar, own_probability};
-use tracker::imm::{Imm, transition};
-use tracker::measurement::COORDINATES;
-use tracker::motion::{DIMENSIONS, MODES};
-use tracker::state::{Gaussian, at};
+use tracker::association::gate::{Radar, own_probability};
+use tracker::filter::gaussian::{Gaussian, at};
+use tracker::filter::uav::batch::{Bank, Block, Candidates, Forecast, Kernel, LANES, Offer, Row, Scan, Step, Weights};
+use tracker::filter::uav::imm::{Imm, transition};
+use tracker::filter::uav::motion::{DIMENSIONS, MODES};
+use tracker::plots::measurement::COORDINATES;
 
 /// Largest disagreement.
 const TOLERANCE: f64 = 1e-12;

@@ -1,11 +1,11 @@
 //! The association rule (T20) one track at a time, as it is written: the oracle of the batch path.
 
 use nalgebra::{SMatrix, SVector};
-use tracker::gate::{Gate, Radar};
-use tracker::imm::Imm;
-use tracker::measurement::{COORDINATES, Expected, Likelihood, Measurement};
-use tracker::motion::{DIMENSIONS, MODES};
-use tracker::state::at;
+use tracker::association::gate::{Gate, Radar};
+use tracker::filter::gaussian::at;
+use tracker::filter::uav::imm::Imm;
+use tracker::filter::uav::motion::{DIMENSIONS, MODES};
+use tracker::plots::measurement::{COORDINATES, Expected, Likelihood, Measurement};
 
 /// A plot that the track may have caused.
 #[derive(Debug, Clone, Copy)]

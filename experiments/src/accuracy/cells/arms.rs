@@ -20,7 +20,7 @@ use common::random::{Purpose, generator};
 use radar_sim::motion::Segments;
 use rand::Rng;
 use tracker::Tracker;
-use tracker::track::LiveTrack;
+use tracker::tracks::track::LiveTrack;
 
 use super::radar::{Flight, Look, stated_sigma};
 use crate::accuracy::Score;
@@ -84,7 +84,7 @@ pub(super) fn through_tracker(
         let mut rng = generator(seed, Purpose::Measurement, run, scan);
         let plots = replaced(arm, flight, look, motion, &mut rng);
         for (header, plots) in flight.messages(scan, &plots) {
-            tracker.take(&header, &plots, &mut tracks);
+            tracker.process_plots(&header, &plots, &mut tracks);
             for updated in tracks.iter().filter(|track| track.is_confirmed()) {
                 let Some(track) = tracker.alive().iter().find(|track| track.id == updated.id) else { continue };
                 let (distance_m, score) = score(track, motion, flight.seconds(track.time_ns));
@@ -173,7 +173,7 @@ mod tests {
     use crate::trajectory::Trajectory;
     use crate::world::offset;
     use common::config::Swerling;
-    use tracker::measurement::Measurement;
+    use tracker::plots::measurement::Measurement;
 
     /// The filter alone is given what the tracker without a map is: a difference between them is none of the target's plots.
     #[test]

@@ -1,0 +1,121 @@
+//! Association gates in (r, β, ε, ṙ) and what they hold (T9)-(T11), (T13).
+//!
+//! ```text
+//! a plot lies in the gate when |Δ_i| ≤ α √(p*_i + σ_i²) for all measured coordinates i    (T9)
+//! V = Π 2h_i · r*² cos ε*  with h_i = α √(p*_i + σ_i²) for the radar's nominal σ          (T11)
+//! P_G = erf(α/√2)^n, or for mode j in the gate of another: Π of normal integrals          (T13)
+//! ```
+
+use common::angle;
+use std::f64::consts::{FRAC_PI_2, SQRT_2};
+
+use crate::plots::measurement::{COORDINATES, Expected, Measurement};
+
+/// What the radar measures, and how well in general.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Radar {
+    /// σ² of (r, β, ε, ṙ).
+    pub variance: [f64; COORDINATES],
+    /// Sizes of a resolution cell in (r, β, ε, ṙ).
+    pub cell: [f64; COORDINATES],
+    /// Which of them are measured.
+    pub measured: [bool; COORDINATES],
+}
+
+impl Radar {
+    /// Number of measured coordinates.
+    pub fn dimensions(&self) -> usize {
+        self.measured.iter().filter(|measured| **measured).count()
+    }
+
+    /// Product of `extent` over the measured coordinates, as a volume in the measure of y (m³·m/s) at range
+    /// `r` (m) and elevation cosine `cos_e`: r² cos ε with elevation, r without.
+    pub fn volume(&self, extent: impl Fn(usize) -> f64, r: f64, cos_e: f64) -> f64 {
+        let product: f64 = (0..COORDINATES).filter(|&i| self.measured[i]).map(extent).product();
+        product * if self.measured[2] { r * r * cos_e } else { r }
+    }
+}
+
+/// The gate of one mode.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Gate {
+    /// (r*, β*, ε*, ṙ*).
+    pub centre: [f64; COORDINATES],
+    /// p*: predicted variances of the four.
+    pub predicted: [f64; COORDINATES],
+    /// How fast the centre moves along the mean motion, per s.
+    pub drift: [f64; COORDINATES],
+    /// h: half widths for a plot of nominal errors.
+    pub half: [f64; COORDINATES],
+    /// α.
+    pub alpha: f64,
+}
+
+impl Gate {
+    /// Around what a mode expects. Azimuth is bounded to a quarter turn either way, so that a track
+    /// above the antenna does not wait for the beam for ever.
+    pub fn new(expected: &Expected, radar: &Radar, alpha: f64) -> Self {
+        let mut half = std::array::from_fn(|i| alpha * (expected.polar_variance[i] + radar.variance[i]).sqrt());
+        half[1] = half[1].min(FRAC_PI_2);
+        half[2] = half[2].min(FRAC_PI_2);
+        Self { centre: expected.polar(), predicted: expected.polar_variance, drift: expected.drift(), half, alpha }
+    }
+
+    /// Δ: where `measurement` lies from the centre, 0 in coordinates that were not measured.
+    /// `offset_s` is the plot's time minus the prediction's: the centre moves until then.
+    pub fn offset(&self, measurement: &Measurement, offset_s: f64) -> [f64; COORDINATES] {
+        std::array::from_fn(|i| {
+            if !measurement.measured[i] {
+                0.0
+            } else if i == 1 {
+                angle::difference(measurement.polar[i], self.centre[i] + self.drift[i] * offset_s)
+            } else {
+                measurement.polar[i] - self.centre[i] - self.drift[i] * offset_s
+            }
+        })
+    }
+
+    /// Whether a plot at Δ = `offset` with the errors of `measurement` lies inside (T9).
+    pub fn holds(&self, offset: &[f64; COORDINATES], measurement: &Measurement) -> bool {
+        let square = self.alpha * self.alpha;
+        offset[1].abs() <= FRAC_PI_2
+            && (0..COORDINATES).all(|i| offset[i] * offset[i] <= square * (self.predicted[i] + measurement.variance[i]))
+    }
+
+    /// Sum of squared normalised offsets: the distance of the nearest-neighbour rule.
+    pub fn distance(&self, offset: &[f64; COORDINATES], measurement: &Measurement) -> f64 {
+        (0..COORDINATES)
+            .filter(|&i| measurement.measured[i])
+            .map(|i| offset[i] * offset[i] / (self.predicted[i] + measurement.variance[i]))
+            .sum()
+    }
+
+    /// V of (T11), m³·m/s.
+    pub fn volume(&self, radar: &Radar) -> f64 {
+        radar.volume(|i| 2.0 * self.half[i], self.centre[0], self.centre[2].cos())
+    }
+
+    /// U of (T20): resolution cells in the gate.
+    pub fn cells(&self, radar: &Radar) -> f64 {
+        (0..COORDINATES).filter(|&i| radar.measured[i]).map(|i| 2.0 * self.half[i] / radar.cell[i]).product()
+    }
+
+    /// Probability that a target of the mode whose gate is `other` falls into this one (T13).
+    pub fn probability(&self, other: &Self, radar: &Radar) -> f64 {
+        let centre = other.centre;
+        let mut product = 1.0;
+        for i in (0..COORDINATES).filter(|&i| radar.measured[i]) {
+            let sd = (other.predicted[i] + radar.variance[i]).sqrt();
+            let shift = if i == 1 { angle::difference(self.centre[i], centre[i]) } else { self.centre[i] - centre[i] };
+            product *= 0.5
+                * (libm::erf((shift + self.half[i]) / (sd * SQRT_2))
+                    - libm::erf((shift - self.half[i]) / (sd * SQRT_2)));
+        }
+        product.clamp(0.0, 1.0)
+    }
+}
+
+/// P_G of a gate of half width α standard deviations in each of `dimensions` coordinates.
+pub fn own_probability(alpha: f64, dimensions: usize) -> f64 {
+    libm::erf(alpha / SQRT_2).powf(dimensions as f64)
+}

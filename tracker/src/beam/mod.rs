@@ -1,0 +1,4 @@
+//! The beam: where it is, and which tracks it meets next.
+
+pub mod agenda;
+pub mod sweep;

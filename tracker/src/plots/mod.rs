@@ -1,0 +1,5 @@
+//! Plots: what they measure, and where they are kept and found.
+
+pub mod index;
+pub mod measurement;
+pub mod store;
