@@ -148,7 +148,7 @@ impl Message for Plots {
 
 impl Message for Tracks {
     const TOPIC: Topic = Topic::Tracks;
-    const SCHEMA: &'static str = "tracks/2";
+    const SCHEMA: &'static str = "tracks/3";
     const BUFFER: usize = 16;
     const SUBSCRIBERS: usize = 4;
     const PUBLISHERS: usize = 2;

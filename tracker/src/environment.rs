@@ -8,46 +8,45 @@ use common::plots::PlotsHeader;
 use common::units::from_db;
 
 use crate::association::clutter_map::ClutterMap;
-use crate::association::gate::Radar;
 use crate::association::joint::Claimant;
 use crate::association::{FalsePlots, Surroundings};
-use crate::filter::uav::batch::Kernel;
+use crate::filter::{Filter, Machine, family};
 use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::radar::Radar;
 use crate::tracks::amplitude::Amplitude;
-use crate::tracks::initiation::Reach;
-use crate::tracks::track::{Kinematics, LiveTrack, Passage};
+use crate::tracks::initiation::PairLimits;
+use crate::tracks::track::LiveTrack;
 
 /// Cells tested per false plot where the radar does not say: its plots are not the result of a known threshold.
 const UNKNOWN_PFA: f64 = 1e-6;
 
 /// The radar as its headers describe it.
 #[derive(Debug)]
-pub(crate) struct Site {
+pub(crate) struct Environment {
     pub(crate) radar: Radar,
     pub(crate) detector: Detector,
     /// Whether the header says how plots were detected; else decision statistics have no scale.
     pub(crate) threshold_is_known: bool,
-    pub(crate) kinematics: Kinematics,
-    pub(crate) kernel: Kernel,
+    pub(crate) filter: Box<dyn Filter>,
+    pub(crate) machine: Machine,
     pub(crate) clutter: ClutterMap,
 }
 
-impl Site {
+impl Environment {
     /// From the header of a message, with nothing learnt of the clutter.
-    pub(crate) fn new(header: &PlotsHeader, config: &TrackerConfig) -> Self {
+    pub(crate) fn new(header: &PlotsHeader, config: &TrackerConfig, machine: Machine) -> Self {
         let (cell, pfa) = (cells(header), pfa(header));
         // Errors are uniform within a cell (C1); plots carry their own.
         let variance = cell.map(|cell| cell * cell / 12.0);
         let radar = Radar { variance, cell, measured: [true, true, cell[2] > 0.0, cell[3] > 0.0] };
         let detector = Detector::new(pfa, header.reference_cells);
         let base = config.clutter_floor.max(header.pfa);
-        let kinematics = Kinematics::new(config, &radar);
         Self {
             radar,
             detector,
             threshold_is_known: header.pfa > 0.0,
-            kinematics,
-            kernel: Kernel::new(kinematics.motion, radar, config.gate_alpha, config.range_rate_inflation),
+            filter: family(config, &radar),
+            machine,
             clutter: ClutterMap::new(radar, detector, base, config.clutter_map_scans),
         }
     }
@@ -71,7 +70,7 @@ impl Site {
         last: &Measurement,
         step_s: f64,
         turn: u32,
-        reach: &Reach,
+        limits: &PairLimits,
         config: &TrackerConfig,
     ) -> f64 {
         let target = self.detector.target(config.swerling, from_db(config.snr_db));
@@ -84,7 +83,7 @@ impl Site {
             };
             ratio / (here.density * self.clutter.cell_volume(&plot.polar))
         };
-        let cells = reach.cells(last, step_s, &self.radar);
+        let cells = limits.cells(last, step_s, &self.radar);
         let odds = (config.start_density * evidence(last) * evidence(previous) / cells).min(1e12);
         (odds / (1.0 + odds)).min(config.start_existence)
     }
@@ -119,16 +118,17 @@ impl Site {
         }
     }
 
-    /// A track as one that wants plots.
+    /// A track as one that wants plots in the scan of `time_ns`.
     pub(crate) fn claimant<'a>(
         &self,
         config: &TrackerConfig,
         track: &'a LiveTrack,
-        passage: &'a Passage,
+        prediction: &'a [f64],
+        time_ns: u64,
     ) -> Claimant<'a> {
         Claimant {
-            prediction: &passage.prediction,
-            time_ns: passage.time_ns,
+            prediction,
+            time_ns,
             existence: track.life.existence,
             detection_probability: self.detection_probability(config, &track.amplitude),
             target: self.statistics(&track.amplitude).filter(|_| config.association.uses_power()),

@@ -18,6 +18,7 @@
 
 pub mod association;
 pub mod beam;
+mod constants;
 mod environment;
 pub mod filter;
 pub mod plots;

@@ -42,8 +42,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             && let Some(message) = plots.receive()?
         {
             let received_ns = monotonic_ns();
-            let taken = tracker.process_plots(message.header(), message.elements(), &mut tracks);
-            let mut header = header_of(message.header(), &taken, reporter.health.messages_out, received_ns);
+            let processed = tracker.process_plots(message.header(), message.elements(), &mut tracks);
+            let mut header = header_of(message.header(), &processed, reporter.health.messages_out, received_ns);
             keep_what_fits(&mut tracks, &mut header);
             let published = publisher.publish(&header, &tracks, |header| {
                 header.session = session;
@@ -51,7 +51,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             });
             published.context("publishing tracks")?;
 
-            for (sum, count) in rejected.0.iter_mut().zip(taken.rejected.0) {
+            for (sum, count) in rejected.0.iter_mut().zip(processed.rejected.0) {
                 *sum += count;
             }
             rejected.0[Reject::Full as usize] += u64::from(header.left_out);
@@ -63,8 +63,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             health.scan = header.scan;
             health.messages_out += 1;
             health.elements_out += tracks.len() as u64;
-            health.tracks = taken.alive;
-            health.confirmed = taken.confirmed;
+            health.tracks = processed.alive;
+            health.confirmed = processed.confirmed;
             health.ended = u32::from(header.has(END_OF_STREAM));
             if health.ended == 1 {
                 break;
@@ -86,7 +86,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
 
 /// Header of the tracks that the plots under `plots` have brought up to date, after
 /// `taken_before` other messages of this session.
-pub fn header_of(plots: &PlotsHeader, taken: &Processed, taken_before: u64, received_ns: u64) -> TracksHeader {
+pub fn header_of(plots: &PlotsHeader, processed: &Processed, taken_before: u64, received_ns: u64) -> TracksHeader {
     let mut stamps = plots.stamps;
     stamps.tracker_in_ns = received_ns;
     TracksHeader {
@@ -105,9 +105,9 @@ pub fn header_of(plots: &PlotsHeader, taken: &Processed, taken_before: u64, rece
         sector: plots.sector,
         sectors_per_scan: plots.sectors_per_scan,
         flags: plots.flags & (END_OF_SCAN | END_OF_STREAM),
-        alive: taken.alive,
-        confirmed: taken.confirmed,
-        rejected: taken.rejected.total() as u32,
+        alive: processed.alive,
+        confirmed: processed.confirmed,
+        rejected: processed.rejected.total() as u32,
         source_id: plots.source_id,
         ..TracksHeader::default()
     }

@@ -8,7 +8,10 @@ use common::health::{Health, REJECT_NAMES};
 use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot, PlotsHeader};
 use common::recording::{Recorded, RecordedRef};
 use common::services::{HealthHeader, TOPIC_NAMES, Topic};
-use common::tracks::{STATE, Track, TracksHeader, pack};
+use common::tracks::{
+    KIND_CONSTANT_VELOCITY, KIND_COORDINATED_TURN, KIND_HOVER, KIND_MANOEUVRE, KIND_MEAN_ACCELERATION, PACKED, STATE,
+    Track, TracksHeader, pack,
+};
 use common::truth::{TruthHeader, TruthTarget};
 
 /// A value of a column.
@@ -48,8 +51,38 @@ const SIGMA_COLUMNS: [&str; STATE] = [
     "sigma_vz_mps",
     "sigma_az_mps2",
 ];
-/// Names of the probabilities of the modes.
-const MODE_COLUMNS: [&str; 3] = ["mode_hover", "mode_constant_velocity", "mode_manoeuvre"];
+/// Names of the probabilities of the kinds of models; empty where the filter has none of a kind.
+const KIND_COLUMNS: [(u16, &str); 5] = [
+    (KIND_HOVER, "mode_hover"),
+    (KIND_CONSTANT_VELOCITY, "mode_constant_velocity"),
+    (KIND_MANOEUVRE, "mode_manoeuvre"),
+    (KIND_COORDINATED_TURN, "mode_coordinated_turn"),
+    (KIND_MEAN_ACCELERATION, "mode_mean_acceleration"),
+];
+/// Names of the components of the state predicted before the plots of the scan.
+const PREDICTED_COLUMNS: [&str; STATE] = [
+    "predicted_x_m",
+    "predicted_vx_mps",
+    "predicted_ax_mps2",
+    "predicted_y_m",
+    "predicted_vy_mps",
+    "predicted_ay_mps2",
+    "predicted_z_m",
+    "predicted_vz_mps",
+    "predicted_az_mps2",
+];
+/// Names of their standard errors.
+const PREDICTED_SIGMA_COLUMNS: [&str; STATE] = [
+    "predicted_sigma_x_m",
+    "predicted_sigma_vx_mps",
+    "predicted_sigma_ax_mps2",
+    "predicted_sigma_y_m",
+    "predicted_sigma_vy_mps",
+    "predicted_sigma_ay_mps2",
+    "predicted_sigma_z_m",
+    "predicted_sigma_vz_mps",
+    "predicted_sigma_az_mps2",
+];
 
 /// Gives `table` a row with the columns of a topic.
 pub(super) fn put_columns(topic: Topic, table: &mut impl Table) -> io::Result<()> {
@@ -105,10 +138,14 @@ fn put_track(header: &TracksHeader, track: &Track, table: &mut impl Table) -> io
     table.put("time_ns", Value::U64(track.time_ns))?;
     table.put("state_code", Value::U32(track.state_code))?;
     put_all(&STATE_COLUMNS, &track.state, table)?;
-    let sigmas: [f64; STATE] = std::array::from_fn(|axis| track.covariance[pack(axis, axis)].sqrt());
-    put_all(&SIGMA_COLUMNS, &sigmas, table)?;
+    let sigmas = |covariance: &[f64; PACKED]| -> [f64; STATE] {
+        std::array::from_fn(|axis| covariance[pack(axis, axis)].sqrt())
+    };
+    put_all(&SIGMA_COLUMNS, &sigmas(&track.covariance), table)?;
     table.put("existence", Value::F64(track.existence))?;
-    put_all(&MODE_COLUMNS, &track.mode_probability, table)?;
+    for (kind, column) in KIND_COLUMNS {
+        table.put_if(track.model_kind.contains(&kind), column, Value::F64(track.probability_of(kind)))?;
+    }
     table.put("gate_code", Value::U32(track.gate_code))?;
     table.put("gate_volume", Value::F64(track.gate_volume))?;
     table.put("plots_in_gate", Value::U32(track.plots_in_gate))?;
@@ -121,6 +158,10 @@ fn put_track(header: &TracksHeader, track: &Track, table: &mut impl Table) -> io
     table.put("age_scans", Value::U32(track.age_scans))?;
     table.put("hits", Value::U32(track.hits))?;
     table.put("misses", Value::U32(track.misses))?;
+    table.put("estimator", Value::U32(track.estimator.into()))?;
+    table.put("known", Value::U32(track.known.into()))?;
+    put_all(&PREDICTED_COLUMNS, &track.predicted_state, table)?;
+    put_all(&PREDICTED_SIGMA_COLUMNS, &sigmas(&track.predicted_covariance), table)?;
     table.end_row()
 }
 

@@ -1,27 +1,26 @@
-//! Which plot is the track's: weights of the plots in the gate (T10), (T12), (T13), (T15), (T20).
+//! Which plots are looked at, and how much each of them is (T10), (T12), (T13), (T15), (T20).
 //!
 //! ```text
 //! e_jm = N(y_m; h(u*_j), D_j)
-//! w_jm ∝ e_jm λ_m,  w_j0 ∝ b_j,  normalised over m = 0…M;   L_j = b_j + Σ_m e_jm λ_m      (T12)
-//! b_j = ρ_c (1 − D P_Gj)/D,  ρ_c: M/V (non-parametric) or the radar's density (parametric)
+//! w_jm ∝ e_jm a_m,  w_j0 ∝ b_j,  normalised over m = 0…M;   L_j = b_j + Σ_m e_jm a_m            (T12)
+//! a_m = λ_m D/ρ,   b_j = 1 − D P_Gj;   ρ: M/V (non-parametric) or the density of false plots at the plot (parametric)
 //! M = 0:  L_j = 1 − D P_Gj                                                                 (T15)
 //! ```
 //!
-//! (T20) is the rule `union` of all modes with parametric clutter: with λ/ρ_c = ℓ/(D ρ₀) the weights are those of
-//! b_j = 1 − D P_G, e_jm ℓ(q_m)/ρ₀(p_m). In a gate that holds too many false plots only the stronger ones are looked at, D
-//! in b_j is the probability of exceeding that threshold, and λ_m counts for as many plots as exceed it (T20.2).
+//! This is (T12) over its ρ_c/D: plots are weighed against noise, as in (T20), where ℓ(q_m)/ρ₀(p_m) = λ_m D/ρ. In a gate that holds too
+//! many false plots only the stronger ones are looked at, D in b_j is the probability of exceeding that threshold, and λ_m counts for as
+//! many plots as exceed it (T20.2).
 //!
-//! Clutter that varies over the gate enters by λ_m: it is multiplied by ρ_c over the density at the
-//! plot. Nearest and strongest neighbour are the same with one candidate, λ = 1 and b = 0.
+//! Nearest and strongest neighbour leave one candidate, which is the target's for certain: b = 0.
 
 use common::amplitude::{TargetStatistics, ca_cfar_factor};
 use common::config::{Association, Clutter, GateRule, TrackerConfig};
-use common::tracks::{GATE_MANOEUVRE, GATE_MANOEUVRE_FALLBACK, GATE_MOST_PROBABLE, GATE_NONE, GATE_UNION};
+use common::tracks::{GATE_MOST_PROBABLE, GATE_NONE, GATE_UNION, GATE_WIDEST, GATE_WIDEST_FALLBACK, MODELS};
 
-use crate::association::gate::{self, Gate, Radar};
-use crate::filter::uav::imm::Imm;
-use crate::filter::uav::motion::{MANOEUVRE, MODES};
+use crate::association::gate::{self, Gate};
+use crate::filter::most_probable;
 use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::radar::Radar;
 
 /// How plots are chosen and weighted; the part of the configuration that the filter needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,11 +29,11 @@ pub struct Rules {
     pub gate_rule: GateRule,
     /// α of (T9).
     pub alpha: f64,
-    /// W*_j above which a mode's gate belongs to the union; 0 takes in all.
+    /// W*_j above which a component's gate belongs to the union; 0 takes in all.
     pub union_probability: f64,
     /// C of (T20.2): false plots expected in the gate at most; 0 for no limit.
     pub gate_false_plots: f64,
-    /// Whether P_G is taken for each mode in the gate used (T13).
+    /// Whether P_G is taken for each component in the gate used (T13).
     pub gate_probability_by_mode: bool,
     /// P_G instead of erf(α/√2)ⁿ, without (T13).
     pub gate_probability: Option<f64>,
@@ -70,10 +69,12 @@ pub struct Candidate {
     pub plot: usize,
     /// Plot's time minus the prediction's, s.
     pub offset_s: f64,
-    /// λ_m, times ρ_c over the clutter density at the plot, other tracks' claims included.
-    pub ratio: f64,
+    /// a_m, other tracks' claims included, m³·m/s.
+    pub gain: f64,
     /// The same as if there were no other tracks.
     pub alone: f64,
+    /// The components in whose gates it lies, a bit each.
+    pub gates: u32,
     /// Sum of squared normalised offsets from the gate's centre (T9).
     pub distance: f64,
 }
@@ -83,25 +84,18 @@ pub struct Candidate {
 pub struct Selection {
     /// `GATE_…` of [`common::tracks`].
     pub gate_code: u32,
-    /// The gate: of the searched mode, or the largest of a union.
+    /// The gate: of the searched component, or the largest of a union.
     pub gate: Gate,
-    /// Mode of that gate.
-    pub mode: usize,
+    /// Component of that gate.
+    pub component: usize,
     /// V, m³·m/s.
     pub volume: f64,
-    /// P_Gj by mode.
-    pub probability: [f64; MODES],
     /// Plots below this power were not looked at (T20.2); 0 without such a limit.
     pub threshold: f64,
-    /// D: probability that the target's plot exceeds it.
+    /// 1 − D P_Gj by component, D being the probability that the target's plot exceeds the threshold.
+    pub missed: [f64; MODELS],
+    /// That D.
     pub detection_probability: f64,
-}
-
-impl Selection {
-    /// 1 − D P_Gj by mode.
-    pub fn missed(&self) -> [f64; MODES] {
-        self.probability.map(|p_g| 1.0 - self.detection_probability * p_g)
-    }
 }
 
 /// What a track knows of the target's amplitude and of its surroundings.
@@ -174,13 +168,17 @@ impl<F: Fn(&[f64; COORDINATES]) -> FalsePlots> Surroundings<'_, F> {
     /// ℓ(q)/ρ₀ of a plot, m³·m/s: what its density under the target is to be multiplied by to weigh it against noise (T20.4).
     pub fn ratio_to_noise(&self, plot: &Measurement, rules: &Rules) -> f64 {
         let here = (self.clutter)(&plot.polar);
-        let ratio = match self.target {
+        self.ratio(plot, here, rules) * self.detection_probability / here.density
+    }
+
+    /// λ of a plot among false plots `here`; 1 where power does not count or was not measured.
+    fn ratio(&self, plot: &Measurement, here: FalsePlots, rules: &Rules) -> f64 {
+        match self.target {
             Some(target) if rules.association.uses_power() && plot.has_power => {
                 target.likelihood_ratio_in_clutter(plot.power, here.mean_excess)
             }
             _ => 1.0,
-        };
-        ratio * self.detection_probability / here.density
+        }
     }
 }
 
@@ -193,120 +191,138 @@ pub struct FalsePlots {
     pub mean_excess: f64,
 }
 
-/// Fills `candidates` with the plots in the gate that the rule names (T10). `gates` are the modes' own, `time_ns` is that of the prediction.
+/// What is asked for candidates: the components of a prediction.
+#[derive(Debug, Clone, Copy)]
+pub struct Prospect<'a> {
+    /// W* by component.
+    pub weights: &'a [f64],
+    /// The components' gates.
+    pub gates: &'a [Gate],
+    /// The component whose gate is searched if another's is empty (T10).
+    pub widest: usize,
+    /// Time of the prediction, ns UTC.
+    pub time_ns: u64,
+}
+
+/// Fills `candidates` with the plots in the gate that the rule names (T10).
 pub fn select<F>(
-    prediction: &Imm,
-    gates: &[Gate; MODES],
-    time_ns: u64,
+    prospect: &Prospect<'_>,
     plots: &[Measurement],
     surroundings: &Surroundings<'_, F>,
     rules: &Rules,
     candidates: &mut Vec<Candidate>,
 ) -> Selection {
+    let Prospect { weights, gates, widest, .. } = *prospect;
     let radar = surroundings.radar;
-    let first = prediction.most_probable();
-    let joined: [bool; MODES] =
-        std::array::from_fn(|j| j == first || prediction.probability[j] >= rules.union_probability);
-    let mut search = |searched: [bool; MODES]| {
-        let mut mode = first;
-        for j in (0..MODES).filter(|&j| searched[j]) {
-            if !searched[mode] || gates[j].volume(radar) > gates[mode].volume(radar) {
-                mode = j;
+    let first = most_probable(weights);
+    let mut joined = 1 << first;
+    for (j, weight) in weights.iter().enumerate() {
+        joined |= u32::from(*weight >= rules.union_probability) << j;
+    }
+    let mut volumes = [0.0; MODELS];
+    for (volume, gate) in volumes.iter_mut().zip(gates) {
+        *volume = gate.volume(radar);
+    }
+    let mut search = |searched: u32| {
+        let is_searched = |j: usize| searched & 1 << j != 0;
+        let mut component = first;
+        for j in (0..gates.len()).filter(|&j| is_searched(j)) {
+            if !is_searched(component) || volumes[j] > volumes[component] {
+                component = j;
             }
         }
-        let threshold = surroundings.scan_threshold(gates[mode].cells(radar), rules.gate_false_plots);
+        let threshold = surroundings.scan_threshold(gates[component].cells(radar), rules.gate_false_plots);
         candidates.clear();
-        append(gates, searched, threshold, time_ns, plots, candidates);
-        (mode, threshold, !candidates.is_empty())
+        append(prospect, searched, threshold, plots, rules, candidates);
+        (component, threshold, !candidates.is_empty())
     };
-    let only = |mode: usize| std::array::from_fn(|j| j == mode);
-    let (gate_code, (mode, threshold, found)) = match rules.gate_rule {
+    let only = |component: usize| 1 << component;
+    let (gate_code, (component, threshold, found)) = match rules.gate_rule {
         GateRule::MostProbable => match search(only(first)) {
-            (.., false) if first != MANOEUVRE => (GATE_MANOEUVRE_FALLBACK, search(only(MANOEUVRE))),
+            (.., false) if first != widest => (GATE_WIDEST_FALLBACK, search(only(widest))),
             result => (GATE_MOST_PROBABLE, result),
         },
-        GateRule::Manoeuvre => (GATE_MANOEUVRE, search(only(MANOEUVRE))),
+        GateRule::Widest => (GATE_WIDEST, search(only(widest))),
         GateRule::Union => (GATE_UNION, search(joined)),
     };
-    let gate = gates[mode];
+    let gate = gates[component];
+    let detection_probability = surroundings.detection_probability_above(threshold);
     let own = rules.gate_probability.unwrap_or_else(|| gate::own_probability(rules.alpha, radar.dimensions()));
-    let by_mode = |j: usize| rules.gate_probability_by_mode && !(rules.gate_rule == GateRule::Union && joined[j]);
+    let mut missed = [1.0 - detection_probability * own; MODELS];
+    for (j, missed) in missed.iter_mut().enumerate().take(gates.len()) {
+        if rules.gate_probability_by_mode && !(rules.gate_rule == GateRule::Union && joined & 1 << j != 0) {
+            *missed = 1.0 - detection_probability * gate.probability(&gates[j], radar);
+        }
+    }
     Selection {
         gate_code: if found { gate_code } else { GATE_NONE },
         gate,
-        mode,
-        volume: gate.volume(radar),
-        probability: std::array::from_fn(|j| if by_mode(j) { gate.probability(&gates[j], radar) } else { own }),
+        component,
+        volume: volumes[component],
         threshold,
-        detection_probability: surroundings.detection_probability_above(threshold),
+        missed,
+        detection_probability,
     }
 }
 
-/// Appends the plots of at least `threshold` in any of the gates that are `searched`; the distance is to the nearest of them.
+/// Appends the plots of at least `threshold` in any of the gates that are `searched`; the distance, which only the nearest neighbour asks for,
+/// is to the nearest of them.
 fn append(
-    gates: &[Gate; MODES],
-    searched: [bool; MODES],
+    prospect: &Prospect<'_>,
+    searched: u32,
     threshold: f64,
-    time_ns: u64,
     plots: &[Measurement],
+    rules: &Rules,
     candidates: &mut Vec<Candidate>,
 ) {
+    let asks_for_distance = rules.association == Association::Nearest;
     for (plot, measurement) in plots.iter().enumerate() {
         if measurement.has_power && measurement.power < threshold {
             continue;
         }
-        let offset_s = common::units::seconds_between(time_ns, measurement.time_ns);
-        let mut distance = f64::INFINITY;
-        for mode in (0..MODES).filter(|&mode| searched[mode]) {
-            let offset = gates[mode].offset(measurement, offset_s);
-            if gates[mode].holds(&offset, measurement) {
-                distance = distance.min(gates[mode].distance(&offset, measurement));
+        let offset_s = common::units::seconds_between(prospect.time_ns, measurement.time_ns);
+        let (mut distance, mut inside) = (f64::INFINITY, 0);
+        for (j, gate) in prospect.gates.iter().enumerate() {
+            let offset = gate.offset(measurement, offset_s);
+            if gate.holds(&offset, measurement) {
+                inside |= 1 << j;
+                if asks_for_distance && searched & 1 << j != 0 {
+                    distance = distance.min(gate.distance(&offset, measurement));
+                }
             }
         }
-        if distance < f64::INFINITY {
-            candidates.push(Candidate { plot, offset_s, ratio: 1.0, alone: 1.0, distance });
+        if inside & searched != 0 {
+            candidates.push(Candidate { plot, offset_s, gain: 1.0, alone: 1.0, gates: inside, distance });
         }
     }
 }
 
-/// ρ_c at the centre of the gate, and λ_m of every candidate.
-///
-/// With no candidate the density does not matter and 1 is returned. Hard decisions leave one candidate.
+/// a_m of every candidate. Hard decisions leave one.
 pub fn weigh<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
     selection: &Selection,
     surroundings: &Surroundings<'_, F>,
     plots: &[Measurement],
     rules: &Rules,
     candidates: &mut Vec<Candidate>,
-) -> f64 {
-    if candidates.is_empty() {
-        return 1.0;
-    }
+) {
     let parametric = rules.clutter == Clutter::Parametric;
-    let reference = if parametric {
-        (surroundings.clutter)(&selection.gate.centre).density
-    } else {
-        candidates.len() as f64 / selection.volume
-    };
+    let of_gate = candidates.len() as f64 / selection.volume;
     for candidate in candidates.iter_mut() {
         let plot = &plots[candidate.plot];
         let with_statistics = rules.association.uses_power() && plot.has_power;
         let here = (surroundings.clutter)(&plot.polar);
-        let ratio = match surroundings.target {
-            Some(target) if with_statistics => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
-            _ => 1.0,
-        };
         let above = if plot.has_power { surroundings.above(selection, here, with_statistics, parametric) } else { 1.0 };
-        let ratio = ratio * above;
-        candidate.alone = if parametric { ratio * reference / here.density } else { ratio };
-        candidate.ratio = candidate.alone * surroundings.share(candidate.plot);
+        let density = if parametric { here.density } else { of_gate };
+        let ratio = surroundings.ratio(plot, here, rules) * above;
+        candidate.alone = ratio * surroundings.detection_probability / density;
+        candidate.gain = candidate.alone * surroundings.share(candidate.plot);
     }
     let better = |a: &Candidate, b: &Candidate| match rules.association {
         Association::Nearest => a.distance < b.distance,
         Association::Strongest => plots[a.plot].power > plots[b.plot].power,
         _ => false,
     };
-    if matches!(rules.association, Association::Nearest | Association::Strongest) {
+    if rules.association.decides() && !candidates.is_empty() {
         let mut best = candidates[0];
         for candidate in &candidates[1..] {
             if better(candidate, &best) {
@@ -316,5 +332,4 @@ pub fn weigh<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
         candidates.clear();
         candidates.push(best);
     }
-    reference
 }

@@ -17,8 +17,8 @@ use std::f64::consts::TAU;
 use common::amplitude::Detector;
 
 use crate::association::FalsePlots;
-use crate::association::gate::Radar;
 use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::radar::Radar;
 
 /// Outer edges of the classes of elevation and of |ṙ|, in cells; the last class is open.
 const EDGES: [f64; 4] = [1.0, 3.0, 9.0, 27.0];

@@ -3,40 +3,18 @@
 //! ```text
 //! a plot lies in the gate when |Δ_i| ≤ α √(p*_i + σ_i²) for all measured coordinates i    (T9)
 //! V = Π 2h_i · r*² cos ε*  with h_i = α √(p*_i + σ_i²) for the radar's nominal σ          (T11)
-//! P_G = erf(α/√2)^n, or for mode j in the gate of another: Π of normal integrals          (T13)
+//! P_G = erf(α/√2)^n, or for component j in the gate of another: Π of normal integrals          (T13)
 //! ```
 
-use common::angle;
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
-use crate::plots::measurement::{COORDINATES, Expected, Measurement};
+use common::angle;
 
-/// What the radar measures, and how well in general.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Radar {
-    /// σ² of (r, β, ε, ṙ).
-    pub variance: [f64; COORDINATES],
-    /// Sizes of a resolution cell in (r, β, ε, ṙ).
-    pub cell: [f64; COORDINATES],
-    /// Which of them are measured.
-    pub measured: [bool; COORDINATES],
-}
+use crate::filter::Expectation;
+use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::radar::Radar;
 
-impl Radar {
-    /// Number of measured coordinates.
-    pub fn dimensions(&self) -> usize {
-        self.measured.iter().filter(|measured| **measured).count()
-    }
-
-    /// Product of `extent` over the measured coordinates, as a volume in the measure of y (m³·m/s) at range
-    /// `r` (m) and elevation cosine `cos_e`: r² cos ε with elevation, r without.
-    pub fn volume(&self, extent: impl Fn(usize) -> f64, r: f64, cos_e: f64) -> f64 {
-        let product: f64 = (0..COORDINATES).filter(|&i| self.measured[i]).map(extent).product();
-        product * if self.measured[2] { r * r * cos_e } else { r }
-    }
-}
-
-/// The gate of one mode.
+/// The gate of one component.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Gate {
     /// (r*, β*, ε*, ṙ*).
@@ -52,13 +30,15 @@ pub struct Gate {
 }
 
 impl Gate {
-    /// Around what a mode expects. Azimuth is bounded to a quarter turn either way, so that a track
-    /// above the antenna does not wait for the beam for ever.
-    pub fn new(expected: &Expected, radar: &Radar, alpha: f64) -> Self {
-        let mut half = std::array::from_fn(|i| alpha * (expected.polar_variance[i] + radar.variance[i]).sqrt());
-        half[1] = half[1].min(FRAC_PI_2);
-        half[2] = half[2].min(FRAC_PI_2);
-        Self { centre: expected.polar(), predicted: expected.polar_variance, drift: expected.drift(), half, alpha }
+    /// Around what a component expects in `lane`; `alpha` is that of the expectation.
+    pub fn new(expected: &Expectation, lane: usize, alpha: f64) -> Self {
+        Self {
+            centre: expected.centre.map(|row| row.0[lane]),
+            predicted: expected.variance.map(|row| row.0[lane]),
+            drift: expected.drift.map(|row| row.0[lane]),
+            half: expected.half.map(|row| row.0[lane]),
+            alpha,
+        }
     }
 
     /// Δ: where `measurement` lies from the centre, 0 in coordinates that were not measured.
@@ -100,7 +80,7 @@ impl Gate {
         (0..COORDINATES).filter(|&i| radar.measured[i]).map(|i| 2.0 * self.half[i] / radar.cell[i]).product()
     }
 
-    /// Probability that a target of the mode whose gate is `other` falls into this one (T13).
+    /// Probability that a target of the component whose gate is `other` falls into this one (T13).
     pub fn probability(&self, other: &Self, radar: &Radar) -> f64 {
         let centre = other.centre;
         let mut product = 1.0;

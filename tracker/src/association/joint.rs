@@ -24,13 +24,12 @@
 use common::amplitude::TargetStatistics;
 
 use crate::association::FalsePlots;
-use crate::association::gate::Radar;
 use crate::association::hypotheses::ln_sum;
-use crate::association::resolution::{Place, Sight};
+use crate::association::resolution::Place;
 use crate::association::rivals::MOST_NEAR;
-use crate::filter::uav::imm::Imm;
-use crate::filter::uav::motion::MODES;
+use crate::filter::{Densities, Evidence, Expectation, Group, LANES, Layout, Machine, Prior, expect};
 use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::radar::Radar;
 
 /// Rivals that are taken into account at once: those that claim most.
 const MOST_RIVALS: usize = 3;
@@ -49,8 +48,8 @@ pub const LEAST_SHARE: f64 = 1e-300;
 /// A track that wants plots.
 #[derive(Debug, Clone, Copy)]
 pub struct Claimant<'a> {
-    /// What it expects of this turn.
-    pub prediction: &'a Imm,
+    /// What it expects of this scan: u*, P*, W*.
+    pub prediction: &'a [f64],
     /// When, ns UTC.
     pub time_ns: u64,
     /// r.
@@ -90,6 +89,8 @@ pub struct Shared<'a> {
 /// Room for sharing out plots, reused.
 #[derive(Debug)]
 pub struct Sharing {
+    /// What the tracks expect, and the densities of the plots under it.
+    views: Views,
     /// What the plots are to the track at hand.
     offers: Vec<Offer>,
     /// Indices of the plots that are shared out.
@@ -146,9 +147,56 @@ struct Event {
     taken: [u8; MOST_TRACKS],
 }
 
-impl Default for Sharing {
-    fn default() -> Self {
+/// What up to eight tracks expect, τ in the first lane, and the densities of plots under it.
+#[derive(Debug)]
+struct Views {
+    prediction: Group,
+    expected: Vec<Expectation>,
+    evidence: Evidence,
+    densities: Densities,
+    machine: Machine,
+    inflation: f64,
+}
+
+impl Views {
+    /// Densities of `plots` under each of `claimants`.
+    fn look(&mut self, claimants: &[Claimant<'_>], plots: &[Measurement]) {
+        let Self { prediction, expected, evidence, densities, .. } = self;
+        evidence.clear(prediction.layout().len());
+        for plot in plots {
+            for (lane, claimant) in claimants.iter().enumerate() {
+                let offset_s = common::units::seconds_between(claimant.time_ns, plot.time_ns);
+                evidence.add(lane, plot, offset_s, 1.0);
+            }
+        }
+        let prior = Prior { prediction, expected, inflation: self.inflation };
+        densities.evaluate(self.machine, claimants.len(), prior, evidence);
+    }
+
+    /// ln Σ_j W*_j N(y_m; h_j, D_j) of plot `m` in `lane`.
+    fn ln_density(&self, m: usize, lane: usize) -> f64 {
+        let components = 0..self.prediction.layout().len();
+        ln_sum(components.map(|j| self.prediction.weight(j, lane).ln() + self.densities.ln(m, j, lane)))
+    }
+
+    /// Where the track in `lane` is expected.
+    fn place(&self, lane: usize) -> Place {
+        Place::new(&self.prediction, &self.expected, lane)
+    }
+}
+
+impl Sharing {
+    /// Room for states of a form.
+    pub fn new(layout: &Layout, machine: Machine, inflation: f64) -> Self {
         Self {
+            views: Views {
+                prediction: Group::new(layout),
+                expected: Vec::new(),
+                evidence: Evidence::default(),
+                densities: Densities::default(),
+                machine,
+                inflation,
+            },
             offers: Vec::with_capacity(256),
             wanted: Vec::with_capacity(256),
             claims: Vec::with_capacity(1 + MOST_NEAR),
@@ -159,8 +207,15 @@ impl Default for Sharing {
     }
 }
 
+const _: () = assert!(1 + MOST_NEAR <= LANES);
+
 impl Sharing {
-    /// What each of `plots` is worth to `own` among `rivals`.
+    /// Computes with other instructions.
+    pub fn on(&mut self, machine: Machine) {
+        self.views.machine = machine;
+    }
+
+    /// What each of `plots` is worth to `own` among `rivals`, of which those beyond [`MOST_NEAR`] do not count.
     pub fn share<'a>(
         &mut self,
         own: &Claimant<'_>,
@@ -168,63 +223,70 @@ impl Sharing {
         plots: &[Measurement],
         clutter: impl Fn(&[f64; COORDINATES]) -> FalsePlots,
         radar: &Radar,
-        inflation: f64,
     ) -> Shared<'_> {
         self.shares.clear();
         self.common.clear();
-        let mut shared = (1.0, 0.0);
-        let mut rivals = rivals.peekable();
-        if rivals.peek().is_some() {
-            let sight = Sight::new(own.prediction);
-            let look = |claimant: &Claimant<'_>, sight: &Sight, plot: &Measurement| {
-                claimant.look(sight, plot, clutter(&plot.polar), inflation)
-            };
-            let unresolved = self.claim(own, &sight, rivals, plots, radar, &look);
-            let evidence = if self.claims.len() > 1 {
-                self.put_together(plots, radar);
-                self.events.clear();
-                let nobody = Event { ln_weight: 0.0, detected: 0, plots: 0, taken: [NONE; MOST_TRACKS] };
-                extend(&self.claims, self.wanted.len(), nobody, 0, &mut self.events);
-                keep_best_permutations(&mut self.events);
-                self.weigh(plots, radar, |plot| look(own, &sight, plot).ln_ratio)
-            } else {
-                1.0
-            };
-            shared = (evidence, unresolved);
+        let mut claimants = [*own; 1 + MOST_NEAR];
+        let mut count = 1;
+        for rival in rivals.take(MOST_NEAR) {
+            claimants[count] = rival;
+            count += 1;
         }
-        Shared { shares: &self.shares, common: &self.common, evidence: shared.0, unresolved: shared.1 }
+        if count == 1 {
+            return Shared { shares: &self.shares, common: &self.common, evidence: 1.0, unresolved: 0.0 };
+        }
+        let claimants = &claimants[..count];
+        for (lane, claimant) in claimants.iter().enumerate() {
+            self.views.prediction.load(lane, claimant.prediction);
+        }
+        let Views { prediction, expected, machine, .. } = &mut self.views;
+        expect(*machine, count, radar, 1.0, prediction, expected);
+        self.views.look(claimants, plots);
+        let unresolved = self.claim(claimants, plots, &clutter, radar);
+        let mut evidence = 1.0;
+        if self.claims.len() > 1 {
+            self.put_together(plots, radar);
+            self.events.clear();
+            let nobody = Event { ln_weight: 0.0, detected: 0, plots: 0, taken: [NONE; MOST_TRACKS] };
+            extend(&self.claims, self.wanted.len(), nobody, 0, &mut self.events);
+            keep_best_permutations(&mut self.events);
+            evidence = self.weigh(own, plots, &clutter, radar);
+        }
+        Shared { shares: &self.shares, common: &self.common, evidence, unresolved }
     }
 
     /// Fills `claims` with τ and the rivals that claim most, if τ wants any plot. Returns the largest probability that a rival is not
     /// resolved from it.
-    fn claim<'a>(
+    fn claim(
         &mut self,
-        own: &Claimant<'_>,
-        sight: &Sight,
-        rivals: impl Iterator<Item = Claimant<'a>>,
+        claimants: &[Claimant<'_>],
         plots: &[Measurement],
+        clutter: &impl Fn(&[f64; COORDINATES]) -> FalsePlots,
         radar: &Radar,
-        look: &impl Fn(&Claimant<'_>, &Sight, &Measurement) -> Offer,
     ) -> f64 {
-        let Self { offers, wanted, claims, .. } = self;
+        let Self { views, offers, wanted, claims, .. } = self;
+        let offer = |lane: usize, (m, plot): (usize, &Measurement)| {
+            claimants[lane].offer(views.ln_density(m, lane), plot, clutter(&plot.polar))
+        };
         offers.clear();
-        offers.extend(plots.iter().map(|plot| look(own, sight, plot)));
+        offers.extend(plots.iter().enumerate().map(|plot| offer(0, plot)));
         wanted.clear();
         wanted.extend((0..plots.len()).filter(|&m| offers[m].ln_ratio > LEAST_RATIO.ln()));
         wanted.sort_unstable_by(|&a, &b| offers[b].ln_ratio.total_cmp(&offers[a].ln_ratio).then(a.cmp(&b)));
         wanted.truncate(MOST_PLOTS);
+        let own = views.place(0);
         claims.clear();
-        claims.push(Claim::new(own, sight.place, offers, wanted));
+        claims.push(Claim::new(&claimants[0], own, offers, wanted));
         let mut unresolved = 0.0_f64;
-        for rival in rivals {
-            let its = Sight::new(rival.prediction);
-            unresolved = unresolved.max(sight.place.unresolved(&its.place, radar));
+        for (lane, rival) in claimants.iter().enumerate().skip(1) {
+            let place = views.place(lane);
+            unresolved = unresolved.max(own.unresolved(&place, radar));
             if wanted.is_empty() {
                 continue;
             }
             offers.clear();
-            offers.extend(plots.iter().map(|plot| look(&rival, &its, plot)));
-            let claim = Claim::new(&rival, its.place, offers, wanted);
+            offers.extend(plots.iter().enumerate().map(|plot| offer(lane, plot)));
+            let claim = Claim::new(rival, place, offers, wanted);
             if claim.strength() > LEAST_RATIO {
                 claims.push(claim);
             }
@@ -246,9 +308,15 @@ impl Sharing {
         }
     }
 
-    /// Sums events up to shares. `ln_ratio` is τ's ln g of a plot.
-    fn weigh(&mut self, plots: &[Measurement], radar: &Radar, ln_ratio: impl Fn(&Measurement) -> f64) -> f64 {
-        let Self { wanted, claims, events, shares, common, .. } = self;
+    /// Sums events up to shares.
+    fn weigh(
+        &mut self,
+        tau: &Claimant<'_>,
+        plots: &[Measurement],
+        clutter: &impl Fn(&[f64; COORDINATES]) -> FalsePlots,
+        radar: &Radar,
+    ) -> f64 {
+        let Self { views, wanted, claims, events, shares, common, .. } = self;
         let own = &claims[0];
         let sum = |of: &dyn Fn(&Event) -> Option<f64>| ln_sum(events.iter().filter_map(of));
         let ln_taking = |plot: usize, with: Option<usize>| {
@@ -272,7 +340,9 @@ impl Sharing {
                     continue;
                 }
                 let measurement = own.place.of_common(&claim.place, &plots[plot], radar);
-                let share = (ln_weight - ln_ratio(&measurement) - ln_none).exp();
+                views.look(std::slice::from_ref(tau), std::slice::from_ref(&measurement));
+                let offer = tau.offer(views.ln_density(0, 0), &measurement, clutter(&measurement.polar));
+                let share = (ln_weight - offer.ln_ratio - ln_none).exp();
                 if share > 0.0 && share.is_finite() {
                     common.push(Common { plot, measurement, share });
                 }
@@ -283,22 +353,14 @@ impl Sharing {
 }
 
 impl Claimant<'_> {
-    /// What a plot is to it.
-    fn look(&self, sight: &Sight, plot: &Measurement, here: FalsePlots, inflation: f64) -> Offer {
-        let offset_s = common::units::seconds_between(self.time_ns, plot.time_ns);
-        let mut ln_densities = [f64::NEG_INFINITY; MODES];
-        for (j, expected) in sight.expected.iter().enumerate() {
-            if let Some(likelihood) = expected.likelihood(plot, inflation) {
-                let d = expected.innovation(plot, offset_s);
-                ln_densities[j] = self.prediction.probability[j].ln() + likelihood.ln_density(d, likelihood.solve(d));
-            }
-        }
+    /// What a plot of density exp(`ln_density`) is to it among false plots `here`.
+    fn offer(&self, ln_density: f64, plot: &Measurement, here: FalsePlots) -> Offer {
         let ratio = match self.target {
             Some(target) if plot.has_power => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
             _ => 1.0,
         };
         let ln_power = (self.detection_probability * ratio / here.density).ln();
-        Offer { ln_ratio: ln_sum(ln_densities.into_iter()) + ln_power + self.existence.ln(), ln_power }
+        Offer { ln_ratio: ln_density + ln_power + self.existence.ln(), ln_power }
     }
 }
 

@@ -6,7 +6,9 @@ pub mod gate;
 pub mod hypotheses;
 pub mod joint;
 pub mod neighbours;
+pub mod one_track;
 pub mod resolution;
 pub mod rivals;
+pub mod scan;
 
 pub use choice::*;

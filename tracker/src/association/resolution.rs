@@ -26,50 +26,38 @@ use std::f64::consts::LN_2;
 use common::angle;
 use common::geometry::Polar;
 
-use crate::association::gate::Radar;
-use crate::filter::uav::imm::Imm;
-use crate::filter::uav::motion::{CONSTANT_VELOCITY, MODES};
-use crate::plots::measurement::{COORDINATES, Expected, Measurement};
+use crate::filter::{Expectation, Group};
+use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::radar::Radar;
 
 /// Variance of a place of which only the two ends are known, of their distance squared.
 const BETWEEN: f64 = 1.0 / 12.0;
 
-/// What a track expects to see.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sight {
-    /// By mode.
-    pub expected: [Expected; MODES],
-    /// All modes together.
-    pub place: Place,
-}
-
-/// Mean and variances of (r, β, ε, ṙ).
+/// Mean and variances of (r, β, ε, ṙ) that a track expects, all its components together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
     centre: [f64; COORDINATES],
     variance: [f64; COORDINATES],
 }
 
-impl Sight {
-    /// Of a predicted track.
-    pub fn new(prediction: &Imm) -> Self {
-        let expected: [Expected; MODES] = std::array::from_fn(|j| Expected::new(j, &prediction.modes[j]));
-        let middle = expected[CONSTANT_VELOCITY].polar();
-        let mut centre = middle;
-        let mut variance = [0.0; COORDINATES];
-        for i in 0..COORDINATES {
-            let from_middle = expected.each_ref().map(|expected| difference(i, expected.polar()[i], middle[i]));
-            let mean = prediction.average(&from_middle);
-            centre[i] += mean;
-            variance[i] = prediction.average(&std::array::from_fn(|j| {
-                expected[j].polar_variance[i] + (from_middle[j] - mean) * (from_middle[j] - mean)
-            }));
-        }
-        Self { expected, place: Place { centre, variance } }
-    }
-}
-
 impl Place {
+    /// Of the predicted track in `lane` of a group.
+    pub fn new(prediction: &Group, expected: &[Expectation], lane: usize) -> Self {
+        let average = |of: &dyn Fn(usize) -> f64| -> f64 {
+            (0..expected.len()).map(|j| prediction.weight(j, lane) * of(j)).sum()
+        };
+        let middle = expected[prediction.layout().reference].centre.map(|row| row.0[lane]);
+        let (mut centre, mut variance) = (middle, [0.0; COORDINATES]);
+        for i in 0..COORDINATES {
+            let from_middle = |j: usize| difference(i, expected[j].centre[i].0[lane], middle[i]);
+            let mean = average(&from_middle);
+            centre[i] += mean;
+            variance[i] =
+                average(&|j| expected[j].variance[i].0[lane] + (from_middle(j) - mean) * (from_middle(j) - mean));
+        }
+        Self { centre, variance }
+    }
+
     /// u: probability that two targets are not resolved.
     pub fn unresolved(&self, other: &Self, radar: &Radar) -> f64 {
         let measured = (0..COORDINATES).filter(|&i| radar.measured[i]);

@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use crate::association::gate::Radar;
 use crate::association::neighbours::Neighbours;
-use crate::filter::uav::motion::CONSTANT_VELOCITY;
+use crate::plots::radar::Radar;
+use crate::tracks::states::Of;
 use crate::tracks::store::TrackStore;
-use crate::tracks::track::{LiveTrack, Passage};
+use crate::tracks::track::LiveTrack;
 
 /// Rivals that are asked what they claim: the nearest.
 pub const MOST_NEAR: usize = 6;
@@ -25,7 +25,7 @@ impl Rivals {
         let reach_m = RIVAL_CELLS * radar.cell[0];
         if self.0.reach_m().to_bits() != reach_m.to_bits() {
             self.0.clear(reach_m);
-            for place in (0..tracks.places()).filter(|&place| tracks.is_alive(place)) {
+            for place in tracks.alive() {
                 self.note(place, &tracks[place]);
             }
         }
@@ -34,8 +34,8 @@ impl Rivals {
     /// Notes where the track at a place of the roster is now.
     pub fn note(&mut self, place: usize, track: &LiveTrack) {
         if track.life.is_confirmed() {
-            self.0.put(2 * place as u32, position(&track.next));
-            self.0.put(2 * place as u32 + 1, position(&track.last));
+            self.0.put(2 * place as u32, track.next.position_m);
+            self.0.put(2 * place as u32 + 1, track.last.position_m);
         }
     }
 
@@ -45,41 +45,42 @@ impl Rivals {
         self.0.remove(2 * place as u32 + 1);
     }
 
-    /// The nearest confirmed tracks that may want the same plots as the track at `place` in this turn, with what they expect of it.
+    /// The nearest confirmed tracks that may want the same plots as the track at `place` in this scan, with which of their predictions are of
+    /// it.
     pub fn of<'a>(
         &self,
         place: usize,
         tracks: &'a TrackStore,
-    ) -> impl Iterator<Item = (&'a LiveTrack, &'a Passage)> + Clone {
+    ) -> impl Iterator<Item = (usize, &'a LiveTrack, Of)> + Clone {
         let own = &tracks[place].next;
-        let centre = position(own);
-        let mut nearest = [None::<(f64, &LiveTrack, &Passage)>; MOST_NEAR];
-        for label in self.0.near(centre).filter(|label| *label as usize / 2 != place) {
-            let track = &tracks[label as usize / 2];
-            let passages = [&track.next, &track.last];
-            let of_this_turn = |passage: &&Passage| (passage.angle_rad - own.angle_rad).abs() < RIVAL_TURNS * TAU;
-            if passages.iter().position(of_this_turn) != Some(label as usize % 2) {
+        let mut nearest = [None::<(f64, usize, &LiveTrack, Of)>; MOST_NEAR];
+        for label in self.0.near(own.position_m).filter(|label| *label as usize / 2 != place) {
+            let other = label as usize / 2;
+            let track = &tracks[other];
+            let of_this_scan = |angle_rad: f64| (angle_rad - own.angle_rad).abs() < RIVAL_TURNS * TAU;
+            let (of, expects) = if of_this_scan(track.next.angle_rad) {
+                (Of::NextScan, &track.next)
+            } else if of_this_scan(track.last.angle_rad) {
+                (Of::LastScan, &track.last)
+            } else {
+                continue;
+            };
+            if (of == Of::LastScan) != (label % 2 == 1) {
                 continue;
             }
-            let expects = passages[label as usize % 2];
-            let there = position(expects);
-            let square: f64 = (0..3).map(|axis| (there[axis] - centre[axis]).powi(2)).sum();
+            let square: f64 = (0..3).map(|axis| (expects.position_m[axis] - own.position_m[axis]).powi(2)).sum();
             if square >= self.0.reach_m() * self.0.reach_m() {
                 continue;
             }
-            let nearer = |other: &Option<(f64, &LiveTrack, &Passage)>| {
-                other.is_some_and(|(least, other, _)| least.total_cmp(&square).then(other.id.cmp(&track.id)).is_lt())
+            let nearer = |other: &Option<(f64, usize, &LiveTrack, Of)>| {
+                other.is_some_and(|(least, _, other, _)| least.total_cmp(&square).then(other.id.cmp(&track.id)).is_lt())
             };
             let rank = nearest.partition_point(nearer);
             if rank < MOST_NEAR {
                 nearest[rank..].rotate_right(1);
-                nearest[rank] = Some((square, track, expects));
+                nearest[rank] = Some((square, other, track, of));
             }
         }
-        nearest.into_iter().flatten().map(|(_, track, expects)| (track, expects))
+        nearest.into_iter().flatten().map(|(_, place, track, of)| (place, track, of))
     }
-}
-
-fn position(passage: &Passage) -> [f64; 3] {
-    passage.prediction.modes[CONSTANT_VELOCITY].position()
 }

@@ -1,19 +1,19 @@
-//! Which tracks the beam has passed, and which it has reached: two heaps over unwrapped beam angles.
+//! Tracks by the time the beam reaches them, and by the time it has passed them: two heaps over unwrapped beam angles.
 //!
-//! A track has one passage to come. A message costs the logarithm of the number of tracks for each that it brings out, and looks at no other.
+//! A track has one detection opportunity to come. A message costs the logarithm of the number of tracks for each that it brings out, and looks at no other.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
+use super::opportunity::Opportunity;
 use crate::tracks::handle::Handle;
-use crate::tracks::track::Passage;
 
-/// The passages to come.
+/// The opportunities to come.
 #[derive(Debug, Default)]
 pub struct Agenda {
     /// By the angle at which all plots of the gates have arrived.
     due: BinaryHeap<Reverse<Appointment>>,
-    /// By the angle at which the gates begin. Those of passages that are over stay until they come to the top.
+    /// By the angle at which the gates begin. Those of opportunities that are over stay until they come to the top.
     begun: BinaryHeap<Reverse<Appointment>>,
 }
 
@@ -30,20 +30,20 @@ impl Agenda {
         self.begun.clear();
     }
 
-    /// Notes the passage to come of a track; that before has been taken.
-    pub fn note(&mut self, track: Handle, passage: &Passage) {
-        self.due.push(Reverse(Appointment { angle_rad: passage.due_rad(), track }));
-        self.begun.push(Reverse(Appointment { angle_rad: passage.begins_rad(), track }));
+    /// Adds the opportunity to come of a track; that before has been taken out.
+    pub fn add(&mut self, track: Handle, next: &Opportunity) {
+        self.due.push(Reverse(Appointment { angle_rad: next.due_rad(), track }));
+        self.begun.push(Reverse(Appointment { angle_rad: next.begins_rad(), track }));
     }
 
-    /// Takes the first track that is due at `angle_rad`.
-    pub fn take_due(&mut self, angle_rad: f64) -> Option<Handle> {
+    /// Takes out the first track that is due at `angle_rad`.
+    pub fn pop_due(&mut self, angle_rad: f64) -> Option<Handle> {
         let first = self.due.peek().filter(|first| first.0.angle_rad <= angle_rad)?.0;
         self.due.pop();
         Some(first.track)
     }
 
-    /// The angle, at most `angle_rad`, from which on plots may still be claimed. `begins` is asked where the passage of a track begins,
+    /// The angle, at most `angle_rad`, from which on plots may still be claimed. `begins` is asked where the opportunity of a track begins,
     /// if it is alive.
     pub fn claimed_from(&mut self, angle_rad: f64, begins: impl Fn(Handle) -> Option<f64>) -> f64 {
         while let Some(&Reverse(first)) = self.begun.peek() {

@@ -24,7 +24,12 @@ pub const fn packed(n: usize) -> usize {
 }
 
 /// Place of component i of u in the order of messages.
-const MESSAGE_ORDER: [usize; STATE] = [0, 3, 6, 1, 4, 7, 2, 5, 8];
+pub const MESSAGE_ORDER: [usize; STATE] = [0, 3, 6, 1, 4, 7, 2, 5, 8];
+
+/// Place of element (row, column) of P in the packed covariance of messages.
+pub const fn message_index(row: usize, column: usize) -> usize {
+    tracks::pack(MESSAGE_ORDER[row], MESSAGE_ORDER[column])
+}
 
 /// A normal distribution of the nine states.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,10 +63,22 @@ impl Gaussian {
         for i in 0..STATE {
             mean[MESSAGE_ORDER[i]] = self.mean[i];
             for j in i..STATE {
-                covariance[tracks::pack(MESSAGE_ORDER[i], MESSAGE_ORDER[j])] = self.covariance[at(i, j)];
+                covariance[message_index(i, j)] = self.covariance[at(i, j)];
             }
         }
         (mean, covariance)
+    }
+
+    /// From mean and packed covariance as [`common::tracks::Track`] carries them.
+    pub fn from_message(mean: &[f64; STATE], covariance: &[f64; PACKED]) -> Self {
+        let mut gaussian = Self::ZERO;
+        for j in 0..STATE {
+            gaussian.mean[j] = mean[MESSAGE_ORDER[j]];
+            for i in 0..=j {
+                gaussian.covariance[at(i, j)] = covariance[message_index(i, j)];
+            }
+        }
+        gaussian
     }
 
     /// (x, y, z), m.
@@ -72,17 +89,6 @@ impl Gaussian {
     /// (ẋ, ẏ, ż), m/s.
     pub fn velocity(&self) -> [f64; 3] {
         [self.mean[3], self.mean[4], self.mean[5]]
-    }
-
-    /// (ẍ, ÿ, z̈), m/s².
-    pub fn acceleration(&self) -> [f64; 3] {
-        [self.mean[6], self.mean[7], self.mean[8]]
-    }
-
-    /// No NaN, no infinity, no negative variance.
-    pub fn is_sound(&self) -> bool {
-        self.mean.iter().chain(&self.covariance).all(|value| value.is_finite())
-            && (0..STATE).all(|i| self.covariance[at(i, i)] >= 0.0)
     }
 
     /// Adds `weight` · (P + d dᵀ), d = `other` − u, to the leading `n` states' covariance: one term of
@@ -101,11 +107,6 @@ impl Gaussian {
             }
         }
     }
-}
-
-/// a · b.
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]
@@ -128,6 +129,7 @@ mod tests {
         assert_eq!(gaussian.velocity().map(f64::to_bits), [1.0, 4.0, 7.0].map(f64::to_bits));
         let (back, packed) = gaussian.to_message();
         assert_eq!(back.as_slice(), mean.as_slice());
+        assert_eq!(Gaussian::from_message(&back, &packed), gaussian);
         for i in 0..STATE {
             for j in 0..STATE {
                 assert_eq!(packed[tracks::pack(i, j)].to_bits(), covariance[(i, j)].to_bits());

@@ -106,6 +106,14 @@ impl PlotIndex {
         }
     }
 
+    /// Makes room for so many plots.
+    pub fn reserve(&mut self, plots: usize) {
+        let cells = (plots as f64).sqrt().ceil() as usize;
+        self.entries.reserve(plots.saturating_sub(self.entries.len()));
+        self.sorted.reserve(plots.saturating_sub(self.sorted.len()));
+        self.starts.reserve((cells * cells + 1).saturating_sub(self.starts.len()));
+    }
+
     /// Finds the plots in the azimuth bins that `window` touches and in its intervals of range and elevation: every plot in
     /// the window, once, and some beside it. `found` is written anew.
     #[expect(clippy::needless_bitwise_bool, reason = "no branch to be guessed wrong")]

@@ -2,4 +2,5 @@
 
 pub mod index;
 pub mod measurement;
+pub mod radar;
 pub mod store;

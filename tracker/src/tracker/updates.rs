@@ -1,98 +1,93 @@
-//! Passages of the beam over tracks: which plots each is offered, what they are worth to it, and what becomes of it.
+//! Association and update at each detection opportunity: which plots each track is offered, what they are worth to it, and what becomes of it.
 //!
-//! All passages of a message are taken together, the confirmed tracks' first: what these explain is no evidence for tentative ones. All of a
-//! kind are offered their plots before any is updated, so what they know of each other is from before the message.
+//! All tracks that a message brings up to date are taken together, the confirmed ones first: what these explain is no evidence for tentative
+//! ones. All of a kind are offered their plots before any is updated, so what they know of each other is from before the message.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
 
 use common::angle;
-use common::config::Association;
 use common::tracks::{TERMINATED, Track};
 use common::units::seconds_between;
 
-use super::{EXPLAINED, Tracker};
-use crate::association::hypotheses::Room;
+use super::Tracker;
+use super::forecast::next_detection;
+use crate::association::hypotheses::{Means, Room};
 use crate::association::joint::{LEAST_SHARE, Sharing};
 use crate::association::rivals::Rivals;
-use crate::environment::Site;
-use crate::filter::uav::batch::LANES;
-use crate::filter::uav::group::{Group, Member};
-use crate::filter::uav::imm::transition;
-use crate::filter::uav::update::{Outcome, Workspace, update};
+use crate::association::scan::{Member, Scan};
+use crate::beam::opportunity::DetectionTime;
+use crate::constants::{APART, EXPLAINED, MISS_WEIGHT, TIMING_S};
+use crate::environment::Environment;
+use crate::filter::{LANES, Layout, Machine, Moments};
 use crate::plots::index::{PlotIndex, Window};
 use crate::plots::measurement::{COORDINATES, Measurement};
 use crate::tracks::handle::Handle;
-use crate::tracks::track::{LastScan, LiveTrack, MISS_WEIGHT, Meeting};
+use crate::tracks::message;
+use crate::tracks::states::Of;
+use crate::tracks::track::{LastScan, LiveTrack};
 
-/// A prediction is renewed if the beam will pass this much earlier or later than it was made for, s.
-const TIMING_S: f64 = 0.02;
-/// Tracks due at once from which updating them as a group costs less than one by one.
-const LEAST_GROUP: usize = 3;
-/// Probability of not being resolved below which two tracks are apart.
-const APART: f64 = 0.5;
-
-/// Room for the passages of a message, reused.
+/// Room for the updates of a message, reused.
 #[derive(Debug)]
-pub(super) struct Passages {
-    /// Whether tracks are updated in groups where that is possible.
-    pub(super) in_groups: bool,
+pub(super) struct Updates {
     pub(super) rivals: Rivals,
     /// Places of the tracks due.
     due: Vec<usize>,
     /// Those that the beam has not reached before the stream ended.
     unreached: Vec<Handle>,
-    visits: Vec<Visit>,
+    pending: Vec<Pending>,
     index: PlotIndex,
     /// Plots of the index that lie in a window.
     found: Vec<u32>,
     near: Vec<usize>,
-    offers: Offers,
+    offered: Offered,
     sharing: Sharing,
-    group: Group,
-    /// Candidates and weights of the visits at hand.
-    workspaces: [Workspace; LANES],
-    /// What became of them.
-    outcomes: Vec<Outcome>,
-    meetings: Vec<(usize, Meeting)>,
-    /// Stored plots and weights of the track at hand.
-    claims: Vec<(usize, f64)>,
+    /// Up to eight of the pending updates.
+    scan: Scan,
+    /// Of their posteriors and of their predictions.
+    moments: [Moments; 2],
+    times: Vec<DetectionTime>,
+    /// Plots that the track at hand takes.
+    shares: Vec<PlotShare>,
     room: Room,
 }
 
-impl Default for Passages {
-    fn default() -> Self {
+impl Updates {
+    pub(super) fn new(layout: &Layout, inflation: f64) -> Self {
         Self {
-            in_groups: true,
             rivals: Rivals::default(),
             due: Vec::new(),
             unreached: Vec::with_capacity(256),
-            visits: Vec::new(),
+            pending: Vec::new(),
             index: PlotIndex::default(),
             found: Vec::new(),
             near: Vec::new(),
-            offers: Offers::default(),
-            sharing: Sharing::default(),
-            group: Group::default(),
-            workspaces: Default::default(),
-            outcomes: Vec::new(),
-            meetings: Vec::new(),
-            claims: Vec::with_capacity(256),
-            room: Room::default(),
+            offered: Offered::default(),
+            sharing: Sharing::new(layout, Machine::default(), inflation),
+            scan: Scan::new(layout),
+            moments: Default::default(),
+            times: Vec::with_capacity(LANES),
+            shares: Vec::with_capacity(256),
+            room: Room::new(layout),
         }
+    }
+
+    /// Computes with other instructions.
+    pub(super) fn on(&mut self, machine: Machine) {
+        self.sharing.on(machine);
     }
 }
 
-/// The passage of the beam over a track: [`LiveTrack::next`].
+/// The update of a track at its detection opportunity [`next`](crate::tracks::track::LiveTrack::next).
 #[derive(Debug, Clone)]
-struct Visit {
+struct Pending {
     /// The track.
     place: usize,
     /// Turn of the beam, for the clutter map.
     turn: u32,
     /// Plots before this angle have been offered to the track.
     from_rad: f64,
-    /// Its plots among the offers; the last of them are common to two tracks.
+    /// Its plots among those offered; the last of them are common to two tracks.
     offered: Range<usize>,
     common: usize,
     /// See [`crate::association::joint::Shared`].
@@ -100,9 +95,18 @@ struct Visit {
     is_apart: bool,
 }
 
+/// A stored plot that a track takes.
+#[derive(Debug, Clone, Copy)]
+struct PlotShare {
+    plot: usize,
+    weight: f64,
+    /// The components in whose gates it lies, a bit each.
+    gates: u32,
+}
+
 /// The plots that the tracks of a message are offered.
 #[derive(Debug, Default)]
-struct Offers {
+struct Offered {
     measurements: Vec<Measurement>,
     /// What each is worth among several tracks.
     shares: Vec<f64>,
@@ -110,7 +114,7 @@ struct Offers {
     origins: Vec<usize>,
 }
 
-impl Offers {
+impl Offered {
     /// Forgets all, and makes room for twice as many: that of a message varies by chance, and should not grow for ever.
     fn clear(&mut self) {
         let room = 2 * self.measurements.len();
@@ -130,55 +134,64 @@ impl Offers {
 }
 
 impl Tracker {
-    /// Processes the tracks whose gates the beam has passed, in the order in which it did. At the end of the
+    /// Updates the tracks whose gates the beam has passed, in the order in which it did. At the end of the
     /// stream those follow whose target was passed, as nothing more will come.
-    pub(super) fn process_due(&mut self, covered_rad: f64, ended: bool, site: &Site, tracks: &mut Vec<Track>) {
-        let Self { agenda, tracks: roster, passages, .. } = self;
-        let Passages { rivals, due, unreached, .. } = passages;
-        rivals.suit(&site.radar, roster);
+    pub(super) fn update_due(
+        &mut self,
+        covered_rad: f64,
+        ended: bool,
+        environment: &Environment,
+        messages: &mut Vec<Track>,
+    ) {
+        let Self { agenda, tracks, updates, .. } = self;
+        let Updates { rivals, due, unreached, .. } = updates;
+        rivals.suit(&environment.radar, tracks);
         due.clear();
-        while let Some(handle) = agenda.take_due(if ended { f64::INFINITY } else { covered_rad }) {
-            match roster.find(handle) {
-                Some(place) if ended && roster[place].next.angle_rad > covered_rad => unreached.push(handle),
+        while let Some(handle) = agenda.pop_due(if ended { f64::INFINITY } else { covered_rad }) {
+            match tracks.find(handle) {
+                Some(place) if ended && tracks[place].next.angle_rad > covered_rad => unreached.push(handle),
                 Some(place) => due.push(place),
                 None => {}
             }
         }
         for handle in unreached.drain(..) {
-            agenda.note(handle, &roster[handle.place as usize].next);
+            agenda.add(handle, &tracks[handle.place as usize].next);
         }
         due.sort_unstable_by(|&a, &b| {
-            let (a, b) = (&roster[a], &roster[b]);
+            let (a, b) = (&tracks[a], &tracks[b]);
             let by_passage = a.next.due_rad().total_cmp(&b.next.due_rad()).then(a.id.cmp(&b.id));
             b.life.is_confirmed().cmp(&a.life.is_confirmed()).then(by_passage)
         });
-        let confirmed = due.partition_point(|&place| roster[place].life.is_confirmed());
+        let confirmed = due.partition_point(|&place| tracks[place].life.is_confirmed());
         for range in [0..confirmed, confirmed..due.len()] {
-            self.visit(range, covered_rad, site);
-            self.offer(site);
-            self.settle_all(site, tracks);
+            if !range.is_empty() {
+                self.prepare(range, covered_rad, environment);
+                self.offer_plots(environment);
+                self.update_all(environment, messages);
+            }
         }
     }
 
-    /// Begins the visits to a range of the tracks due.
-    fn visit(&mut self, due: Range<usize>, covered_rad: f64, site: &Site) {
-        let Self { config, sweep, tracks, passages, .. } = self;
-        passages.visits.clear();
-        for &place in &passages.due[due] {
+    /// Prepares the updates of a range of the tracks due.
+    fn prepare(&mut self, due: Range<usize>, covered_rad: f64, environment: &Environment) {
+        let Self { config, rules, sweep, tracks, updates, forecast, .. } = self;
+        updates.pending.clear();
+        for &place in &updates.due[due] {
             let track = &mut tracks[place];
-            // Whole turns may have been lost: the passage that counts is the last one covered.
+            // Whole turns may have been lost: the opportunity that counts is the last one covered.
             let lost_turns = ((covered_rad - track.next.due_rad()) / TAU).floor();
             if lost_turns >= 1.0 {
                 track.next.angle_rad += lost_turns * TAU;
             }
             let to_ns = sweep.time_at(track.next.angle_rad);
             if seconds_between(track.next.time_ns, to_ns).abs() > TIMING_S {
-                let meeting = Meeting { from_ns: track.time_ns, to_ns, angle_rad: track.next.angle_rad };
-                track.next = site.kinematics.passage(&track.posterior, &meeting, sweep, &site.radar);
-                passages.rivals.note(place, track);
+                let time = DetectionTime { from_ns: track.time_ns, to_ns, angle_rad: track.next.angle_rad };
+                forecast.predict_one(environment, rules.alpha, tracks, place, time, sweep);
+                updates.rivals.note(place, &tracks[place]);
             }
-            track.amplitude.look(config, &site.detector);
-            passages.visits.push(Visit {
+            let track = &mut tracks[place];
+            track.amplitude.renew_statistics(config, &environment.detector);
+            updates.pending.push(Pending {
                 place,
                 turn: (track.next.angle_rad / TAU).max(0.0) as u32,
                 from_rad: track.next.begins_rad().max(track.searched_to_rad),
@@ -190,26 +203,26 @@ impl Tracker {
         }
     }
 
-    /// Finds the plots of each visit, and what they are worth among several tracks.
-    fn offer(&mut self, site: &Site) {
-        let Self { config, rules, plots, tracks, passages, .. } = self;
-        let Passages { rivals, visits, index, found, near, offers, sharing, .. } = passages;
-        offers.clear();
-        let due = |visit: &Visit| tracks[visit.place].next.due_rad();
-        let from_rad = visits.iter().map(|visit| visit.from_rad).fold(f64::INFINITY, f64::min);
-        let stored = plots.between(from_rad, visits.iter().map(due).fold(f64::NEG_INFINITY, f64::max));
-        let mut variance = site.radar.variance[0];
+    /// Finds the plots of each track, and what they are worth among several tracks.
+    fn offer_plots(&mut self, environment: &Environment) {
+        let Self { config, rules, plots, tracks, updates, .. } = self;
+        let Updates { rivals, pending, index, found, near, offered, sharing, .. } = updates;
+        offered.clear();
+        let due = |pending: &Pending| tracks[pending.place].next.due_rad();
+        let from_rad = pending.iter().map(|pending| pending.from_rad).fold(f64::INFINITY, f64::min);
+        let stored = plots.between(from_rad, pending.iter().map(due).fold(f64::NEG_INFINITY, f64::max));
+        let mut variance = environment.radar.variance[0];
         let all = plots.measurements(stored.clone());
         index.build(all.iter().inspect(|plot| variance = variance.max(plot.variance[0])));
         // √(p + σ²) grows by less than σ does.
-        let margin_m = rules.alpha * (variance.sqrt() - site.radar.variance[0].sqrt());
-        let shares_plots =
-            config.joint_association && !matches!(rules.association, Association::Nearest | Association::Strongest);
-        for visit in visits {
-            let track = &tracks[visit.place];
-            let rivals = shares_plots.then(|| rivals.of(visit.place, tracks)).into_iter().flatten();
+        let margin_m = rules.alpha * (variance.sqrt() - environment.radar.variance[0].sqrt());
+        let shares_plots = config.joint_association && !rules.association.decides();
+        for pending in pending {
+            let track = &tracks[pending.place];
+            let rivals = shares_plots.then(|| rivals.of(pending.place, tracks)).into_iter().flatten();
             let mut range_m = track.next.range_m;
-            for (_, expects) in rivals.clone() {
+            for (_, rival, of) in rivals.clone() {
+                let expects = rival.opportunity(of);
                 range_m = [range_m[0].min(expects.range_m[0]), range_m[1].max(expects.range_m[1])];
             }
             let window = Window {
@@ -221,206 +234,218 @@ impl Tracker {
             index.find(&window, found);
             near.clear();
             near.extend(found.iter().map(|&plot| stored.start + plot as usize));
-            near.retain(|&plot| (visit.from_rad..=track.next.due_rad()).contains(&plots.entry(plot).angle_rad));
+            near.retain(|&plot| (pending.from_rad..=track.next.due_rad()).contains(&plots.entry(plot).angle_rad));
             near.sort_unstable();
-            let first = offers.measurements.len();
+            let first = offered.measurements.len();
             for &plot in near.iter() {
                 let explained =
                     !track.life.is_confirmed() && config.joint_association && plots.entry(plot).explained > EXPLAINED;
                 let share = if explained { LEAST_SHARE } else { 1.0 };
-                offers.push(plots.measurements(plot..plot + 1)[0], share, plot);
+                offered.push(plots.measurements(plot..plot + 1)[0], share, plot);
             }
-            visit.common = offers.measurements.len();
-            let own = site.claimant(config, track, &track.next);
-            let rivals = rivals.map(|(rival, expects)| site.claimant(config, rival, expects));
-            let clutter = |polar: &[f64; COORDINATES]| site.clutter.at(polar, visit.turn, None);
-            let shared =
-                sharing.share(&own, rivals, &offers.measurements[first..], clutter, &site.radar, rules.inflation);
-            for (share, &other) in offers.shares[first..].iter_mut().zip(shared.shares) {
+            pending.common = offered.measurements.len();
+            let states = &tracks.states;
+            let own = states.prediction_words(pending.place, Of::NextScan);
+            let own = environment.claimant(config, track, own, track.next.time_ns);
+            let rivals = rivals.map(|(place, rival, of)| {
+                let prediction = states.prediction_words(place, of);
+                environment.claimant(config, rival, prediction, rival.opportunity(of).time_ns)
+            });
+            let clutter = |polar: &[f64; COORDINATES]| environment.clutter.at(polar, pending.turn, None);
+            let shared = sharing.share(&own, rivals, &offered.measurements[first..], clutter, &environment.radar);
+            for (share, &other) in offered.shares[first..].iter_mut().zip(shared.shares) {
                 *share = share.min(other);
             }
             for common in shared.common {
-                offers.push(common.measurement, common.share, offers.origins[first + common.plot]);
+                offered.push(common.measurement, common.share, offered.origins[first + common.plot]);
             }
-            visit.evidence = shared.evidence;
-            visit.is_apart = shared.unresolved < APART;
-            visit.offered = first..offers.measurements.len();
+            pending.evidence = shared.evidence;
+            pending.is_apart = shared.unresolved < APART;
+            pending.offered = first..offered.measurements.len();
         }
     }
 
-    /// Updates the tracks of all visits, in groups, and merges those that turn out to be one.
-    fn settle_all(&mut self, site: &Site, tracks: &mut Vec<Track>) {
-        for first in (0..self.passages.visits.len()).step_by(LANES) {
-            let group = first..self.passages.visits.len().min(first + LANES);
-            self.update(group.clone(), site);
+    /// Updates all pending tracks in groups, and merges those that turn out to be one.
+    fn update_all(&mut self, environment: &Environment, messages: &mut Vec<Track>) {
+        for first in (0..self.updates.pending.len()).step_by(LANES) {
+            let group = first..self.updates.pending.len().min(first + LANES);
+            self.update_group(group.clone(), environment);
             for (lane, position) in group.clone().enumerate() {
-                let visit = self.passages.visits[position].clone();
-                if !self.tracks.is_alive(visit.place) {
+                let pending = self.updates.pending[position].clone();
+                if !self.tracks.is_alive(pending.place) {
                     continue;
                 }
-                let best = self.settle(&visit, lane, site);
-                tracks.push(self.tracks[visit.place].message());
-                if let Some(weaker) = best.and_then(|plot| self.own(plot, visit.place)) {
-                    self.merge_duplicate(weaker, tracks);
+                let best = self.conclude(&pending, lane, environment);
+                let Updates { moments: [posterior, prediction], .. } = &self.updates;
+                let (track, state) = (&self.tracks[pending.place], self.tracks.states.posterior(pending.place));
+                message::push(messages, track, environment.filter.as_ref(), state, [posterior, prediction], lane);
+                if let Some(weaker) = best.and_then(|plot| self.assign_owner(plot, pending.place)) {
+                    self.merge_duplicate(weaker, environment, messages);
                 }
             }
-            self.predict(group, site, tracks);
+            self.predict_group(group, environment, messages);
         }
     }
 
-    /// The outcomes of up to [`LANES`] visits.
-    fn update(&mut self, visits: Range<usize>, site: &Site) {
-        let Self { config, rules, tracks, passages, .. } = self;
-        let Passages { in_groups, offers, group, workspaces, outcomes, room, .. } = passages;
-        let visits = &passages.visits[visits];
-        outcomes.clear();
-        if *in_groups && visits.len() >= LEAST_GROUP && Group::takes(rules.association) {
-            let members = visits.iter().map(|visit| {
-                let LiveTrack { next: passage, amplitude, .. } = &tracks[visit.place];
-                Member {
-                    prediction: &passage.prediction,
-                    time_ns: passage.time_ns,
-                    plots: &offers.measurements[visit.offered.clone()],
-                    surroundings: site.surroundings(
-                        config,
-                        amplitude,
-                        &offers.shares[visit.offered.clone()],
-                        visit.turn,
-                    ),
-                }
-            });
-            group.update(&site.kernel, members, rules, workspaces, outcomes);
-            return;
+    /// The posteriors of up to [`LANES`] tracks, in the lanes and in the store.
+    fn update_group(&mut self, group: Range<usize>, environment: &Environment) {
+        let Self { config, rules, sweep, tracks, updates, .. } = self;
+        let Updates { pending, offered, scan, moments, room, .. } = updates;
+        let (pending, lanes) = (&pending[group.clone()], group.len());
+        let Environment { filter, machine, radar, .. } = environment;
+        for (lane, pending) in pending.iter().enumerate() {
+            scan.prediction.load(lane, tracks.states.prediction_words(pending.place, Of::NextScan));
         }
-        for (visit, workspace) in visits.iter().zip(workspaces) {
-            let LiveTrack { hypotheses, next: passage, amplitude, time_ns, .. } = &mut tracks[visit.place];
-            let surroundings = site.surroundings(config, amplitude, &offers.shares[visit.offered.clone()], visit.turn);
-            let offered = &offers.measurements[visit.offered.clone()];
-            outcomes.push(match hypotheses {
-                Some(hypotheses) => {
-                    let step_s = seconds_between(*time_ns, passage.time_ns).max(0.0);
-                    hypotheses.predict(&transition(site.kinematics.stay, step_s), &site.kinematics.motion, step_s);
-                    hypotheses.update(passage.time_ns, offered, &surroundings, rules, workspace, room)
-                }
-                None => update(&passage.prediction, passage.time_ns, offered, &surroundings, rules, workspace),
-            });
+        let member = |pending: &Pending| {
+            let track = &tracks[pending.place];
+            let shares = &offered.shares[pending.offered.clone()];
+            Member {
+                time_ns: track.next.time_ns,
+                plots: &offered.measurements[pending.offered.clone()],
+                surroundings: environment.surroundings(config, &track.amplitude, shares, pending.turn),
+            }
+        };
+        if rules.association == common::config::Association::Mht {
+            scan.outcomes.clear();
+            let means = Means { filter: filter.as_ref(), machine: *machine, rules };
+            for (lane, pending) in pending.iter().enumerate() {
+                let LiveTrack { hypotheses: Some(hypotheses), amplitude, time_ns, next, .. } =
+                    &mut tracks[pending.place]
+                else {
+                    unreachable!("a track of several hypotheses has some");
+                };
+                let shares = &offered.shares[pending.offered.clone()];
+                let surroundings = environment.surroundings(config, amplitude, shares, pending.turn);
+                let plots = &offered.measurements[pending.offered.clone()];
+                hypotheses.predict(means, seconds_between(*time_ns, next.time_ns).max(0.0), room);
+                let choice = &mut scan.choices[lane];
+                let outcome = hypotheses.update(means, next.time_ns, plots, &surroundings, room, choice);
+                scan.update.posterior.load(lane, room.posterior());
+                scan.outcomes.push(outcome);
+            }
+        } else {
+            scan.update(filter.as_ref(), *machine, pending.iter().map(member), radar, rules);
         }
+        for (lane, pending) in pending.iter().enumerate() {
+            if !(sweep.has_seen(tracks[pending.place].next.angle_rad) || scan.outcomes[lane].plots_in_gate > 0) {
+                scan.update.posterior.copy_lane(lane, &scan.prediction);
+            }
+            scan.update.posterior.store(lane, tracks.states.posterior_mut(pending.place));
+        }
+        moments[0].evaluate(*machine, lanes, &scan.update.posterior);
+        moments[1].evaluate(*machine, lanes, &scan.prediction);
     }
 
-    /// Takes over what the update in `lane` made of a visit. Returns the stored plot that the track is
+    /// Takes over what the scan made of the track in `lane`. Returns the stored plot that the track is
     /// sure of, or would be without other tracks.
-    fn settle(&mut self, visit: &Visit, lane: usize, site: &Site) -> Option<usize> {
-        let Self { config, sweep, plots, tracks, passages, .. } = self;
-        let Passages { offers, workspaces, outcomes, claims, .. } = passages;
-        let (track, workspace, outcome) = (&mut tracks[visit.place], &workspaces[lane], &outcomes[lane]);
+    fn conclude(&mut self, pending: &Pending, lane: usize, environment: &Environment) -> Option<usize> {
+        let Self { config, sweep, plots, tracks, updates, .. } = self;
+        let Updates { offered, scan, shares, .. } = updates;
+        let (choice, outcome) = (&scan.choices[lane], &scan.outcomes[lane]);
+        tracks.states.turn_over(pending.place);
+        let track = &mut tracks[pending.place];
         let was_confirmed = track.life.is_confirmed();
-        let passage = track.next;
-        let turns = ((passage.angle_rad - track.angle_rad) / TAU).round().max(1.0) as u32;
+        let turns = ((track.next.angle_rad - track.angle_rad) / TAU).round().max(1.0) as u32;
         if turns > 1 {
             track.life.pass(turns - 1, config);
         }
-        track.time_ns = passage.time_ns;
-        track.angle_rad = passage.angle_rad;
-        track.searched_to_rad = passage.due_rad();
-        if sweep.has_seen(passage.angle_rad) || outcome.plots_in_gate > 0 {
-            track.posterior = outcome.posterior;
-            let evidence = track.evidence(outcome, visit.evidence);
+        track.time_ns = track.next.time_ns;
+        track.angle_rad = track.next.angle_rad;
+        track.searched_to_rad = track.next.due_rad();
+        if sweep.has_seen(track.next.angle_rad) || outcome.plots_in_gate > 0 {
+            let evidence = track.evidence(outcome, pending.evidence);
             track.life.observe(evidence, outcome.weight_none < MISS_WEIGHT, config);
         } else {
-            track.posterior = passage.prediction;
             track.life.pass(1, config);
         }
         // The plots that are its own come before those that it has in common with another.
-        claims.clear();
-        let threshold = outcome.selection.threshold.max(site.detector.threshold);
+        shares.clear();
+        let threshold = outcome.selection.threshold.max(environment.detector.threshold);
         let mut alone: Option<(usize, f64)> = None;
-        let mut surest_own = 0.0_f64;
-        for (candidate, weights) in workspace.candidates.iter().zip(&workspace.weights) {
-            let weight = track.posterior.average(weights);
-            let offer = visit.offered.start + candidate.plot;
-            let origin = offers.origins[offer];
-            match claims.iter_mut().find(|(plot, _)| offer >= visit.common && *plot == origin) {
-                Some((_, sum)) => *sum += weight,
-                None => claims.push((origin, weight)),
+        let (mut surest_own, mut common) = (0.0_f64, 0);
+        for (candidate, &weight) in choice.candidates.iter().zip(&choice.weights) {
+            let offer = pending.offered.start + candidate.plot;
+            let plot = offered.origins[offer];
+            let is_common = offer >= pending.common;
+            match shares.iter_mut().find(|share| is_common && share.plot == plot) {
+                Some(share) => share.weight += weight,
+                None if is_common => {
+                    let gates = choice.gates_about(&plots.measurements(plot..plot + 1)[0], track.time_ns);
+                    shares.push(PlotShare { plot, weight, gates });
+                }
+                None => shares.push(PlotShare { plot, weight, gates: candidate.gates }),
             }
-            if offer < visit.common {
-                surest_own = surest_own.max(weight);
-                let plot = &offers.measurements[offer];
-                // Of several hypotheses each has its own threshold; that of the best one is taken.
-                if plot.has_power && plot.power >= threshold {
-                    track.amplitude.learn(plot.power, weight, threshold);
-                }
-                let weight = if candidate.ratio > 0.0 { weight * (candidate.alone / candidate.ratio) } else { 0.0 };
-                if alone.is_none_or(|(_, most)| weight > most) {
-                    alone = Some((origin, weight));
-                }
+            if is_common {
+                common += 1;
+                continue;
+            }
+            surest_own = surest_own.max(weight);
+            let measurement = &offered.measurements[offer];
+            // Of several hypotheses each has its own threshold; that of the best one is taken.
+            if measurement.has_power && measurement.power >= threshold {
+                track.amplitude.learn(measurement.power, weight, threshold);
+            }
+            let weight = if candidate.gain > 0.0 { weight * (candidate.alone / candidate.gain) } else { 0.0 };
+            if alone.is_none_or(|(_, most)| weight > most) {
+                alone = Some((plot, weight));
             }
         }
-        if track.life.is_confirmed() && visit.is_apart && surest_own > MISS_WEIGHT {
+        if track.life.is_confirmed() && pending.is_apart && surest_own > MISS_WEIGHT {
             track.scans_apart = track.scans_apart.saturating_add(1);
         }
-        let origin = |plot: usize| {
-            let entry = plots.entry(plot);
-            (entry.seq, entry.index, &plots.measurements(plot..plot + 1)[0])
-        };
-        track.last_scan = LastScan::new(outcome, claims, origin, &workspace.gates, passage.time_ns);
-        let in_common = |plot: usize| visit.offered.start + plot >= visit.common;
-        let common = workspace.candidates.iter().filter(|candidate| in_common(candidate.plot)).count();
-        track.last_scan.plots_in_gate -= common as u32;
-        for &(plot, weight) in claims.iter() {
-            let entry = plots.entry_mut(plot);
-            entry.claimed = entry.claimed.max(weight * track.life.existence);
+        track.last_scan = LastScan::new(outcome);
+        track.last_scan.plots_in_gate -= common;
+        let mut best: Option<(usize, f64)> = None;
+        for share in shares.iter() {
+            let entry = plots.entry_mut(share.plot);
+            track.last_scan.add(entry.seq, entry.index, share.weight, share.gates);
+            entry.claimed = entry.claimed.max(share.weight * track.life.existence);
             if track.life.is_confirmed() {
-                entry.explained = entry.explained.max(weight);
+                entry.explained = entry.explained.max(share.weight);
+            }
+            if best.is_none_or(|(_, most)| share.weight > most) {
+                best = Some((share.plot, share.weight));
             }
         }
-        track.last = passage;
+        track.last = track.next;
+        let ends = track.life.state == TERMINATED;
+        let ratio_alone = outcome.ratio_alone;
         self.confirmed = self.confirmed + u32::from(track.life.is_confirmed()) - u32::from(was_confirmed);
-        if track.life.state == TERMINATED {
-            self.end(visit.place);
+        if ends {
+            self.end(pending.place);
         }
-        let claims = &self.passages.claims;
-        let best = claims.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a });
-        let ratio_alone = self.passages.outcomes[lane].ratio_alone;
         let own = best.filter(|(_, weight)| *weight > MISS_WEIGHT);
         own.or_else(|| alone.filter(|_| ratio_alone > 1.0)).map(|(plot, _)| plot)
     }
 
-    /// Predicts the next passages of the tracks of up to [`LANES`] visits that are still alive.
-    fn predict(&mut self, visits: Range<usize>, site: &Site, messages: &mut Vec<Track>) {
-        let Self { sweep, tracks, passages, .. } = self;
-        let Passages { in_groups, visits: all, group, meetings, .. } = passages;
-        meetings.clear();
-        for visit in all[visits].iter().filter(|visit| tracks.is_alive(visit.place)) {
-            let LiveTrack { posterior, time_ns, angle_rad, .. } = &tracks[visit.place];
-            let meeting = site.kinematics.meeting(posterior, *time_ns, *angle_rad, 1.0, sweep);
-            meetings.push((visit.place, meeting));
+    /// Predicts the tracks of a group that are still alive to their next detection opportunities.
+    fn predict_group(&mut self, group: Range<usize>, environment: &Environment, messages: &mut Vec<Track>) {
+        let Self { rules, sweep, agenda, tracks, updates, forecast, .. } = self;
+        let Updates { rivals, pending, scan, moments, times, .. } = updates;
+        let (first, pending) = (group.start, &pending[group]);
+        times.clear();
+        for (lane, pending) in pending.iter().enumerate() {
+            let track = &tracks[pending.place];
+            times.push(next_detection(&moments[0], lane, track.time_ns, track.angle_rad, sweep));
         }
-        if *in_groups && meetings.len() >= LEAST_GROUP {
-            let posteriors = meetings.iter().map(|&(place, meeting)| (&tracks[place].posterior, meeting));
-            let mut passages = [None; LANES];
-            let stay = site.kinematics.stay;
-            group.predict(&site.kernel, stay, sweep.period_s(), posteriors, |lane, next| passages[lane] = Some(next));
-            for (&(place, _), next) in meetings.iter().zip(passages) {
-                if let Some(next) = next {
-                    tracks[place].next = next;
-                }
+        let mut unsound = [false; LANES];
+        let posterior = &scan.update.posterior;
+        forecast.predict(environment, rules.alpha, posterior, times, sweep.period_s(), |lane, next, prediction| {
+            let place = pending[lane].place;
+            if !tracks.is_alive(place) {
+                return;
             }
-        } else {
-            for (place, meeting) in meetings.iter() {
-                let track = &mut tracks[*place];
-                track.next = site.kinematics.passage(&track.posterior, meeting, sweep, &site.radar);
-            }
-        }
-        for index in 0..self.passages.meetings.len() {
-            let place = self.passages.meetings[index].0;
-            let track = &self.tracks[place];
-            if track.next.prediction.is_sound() {
-                self.passages.rivals.note(place, track);
-                self.agenda.note(self.tracks.handle(place), &track.next);
-            } else {
-                self.end_and_tell(place, messages);
-            }
+            let Some(prediction) = prediction else {
+                unsound[lane] = true;
+                return;
+            };
+            prediction.store(lane, tracks.states.prediction_mut(place, Of::NextScan));
+            tracks[place].next = next;
+            rivals.note(place, &tracks[place]);
+            agenda.add(tracks.handle(place), &tracks[place].next);
+        });
+        for lane in (0..LANES).filter(|&lane| unsound[lane]) {
+            self.end_and_tell(self.updates.pending[first + lane].place, environment, messages);
         }
     }
 }

@@ -50,7 +50,7 @@ impl Amplitude {
     }
 
     /// Renews D and λ.
-    pub fn look(&mut self, config: &TrackerConfig, detector: &Detector) {
+    pub fn renew_statistics(&mut self, config: &TrackerConfig, detector: &Detector) {
         if config.snr_prior_scans <= 0.0 {
             return;
         }
@@ -98,7 +98,7 @@ mod tests {
                 }
                 seen += 1;
                 amplitude.learn(q, 1.0, threshold);
-                amplitude.look(&config, &detector);
+                amplitude.renew_statistics(&config, &detector);
                 if seen > 1000 {
                     mean += amplitude.snr_db() / 2000.0;
                 }

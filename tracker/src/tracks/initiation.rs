@@ -7,22 +7,22 @@
 //! |(r_k − r_(k−1))/T − (ṙ_k + ṙ_(k−1))/2| ≤ 3σ,   |ṙ_k − ṙ_(k−1)| ≤ 3σ
 //! ```
 
-use crate::association::gate::Radar;
 use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::radar::Radar;
 
 /// How far errors may reach, standard deviations.
 const REACH: f64 = 3.0;
 
 /// Limits of a start.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reach {
+pub struct PairLimits {
     /// v_max, m/s.
     pub speed_mps: f64,
     /// Change of range rate that a target may make in a second, m/s².
     pub acceleration_mps2: f64,
 }
 
-impl Reach {
+impl PairLimits {
     /// Half width in azimuth in which the earlier plot must lie, rad; at most a quarter turn.
     pub fn azimuth_rad(&self, last: &Measurement, step_s: f64) -> f64 {
         let ground = last.polar[0] * last.polar[2].cos();

@@ -4,5 +4,7 @@ pub mod amplitude;
 pub mod handle;
 pub mod initiation;
 pub mod life;
+pub mod message;
+pub mod states;
 pub mod store;
 pub mod track;

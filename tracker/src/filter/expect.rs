@@ -1,31 +1,30 @@
-//! What each mode of a block expects to see, and its gate: (T5), (T9).
+//! What each component of a group expects to see, and its gate: (T5), (T9).
 //!
 //! H P* Hᵀ and P* Hᵀ share their first three rows and columns with P*; only what concerns the range rate is computed:
 //! ```text
 //! c = P* H₄ᵀ,  H₄ = [g_p  e_r  0],  g_p = (v − ṙ e_r)/ρ;   H₄ P* H₄ᵀ = H₄ c
 //! p*_r = e_rᵀ P* e_r,  p*_β = e_βᵀ P* e_β/(ρ cos ε)²,  p*_ε = e_εᵀ P* e_ε/ρ²,  p*_ṙ = H₄ c
-//! h_i = α √(p*_i + σ_i²),   U = Π 2h_i/δ_i                                                     (T9), (T20)
+//! h_i = α √(p*_i + σ_i²)                                                                       (T9)
 //! ```
 
 use std::f64::consts::FRAC_PI_2;
 
-use pulp::Simd;
+use common::tracks::STATE;
+use pulp::{Simd, WithSimd};
 
-use crate::association::gate::{Gate, Radar};
-use crate::filter::gaussian::at;
-use crate::plots::measurement::COORDINATES;
-
-use super::block::Mode;
+use super::gaussian::at;
+use super::group::{Component, Group, for_known};
 use super::lanes::{Lanes, Row, V, dot};
+use super::machine::Machine;
+use crate::plots::measurement::{COORDINATES, NEAREST_M};
+use crate::plots::radar::Radar;
 
-/// Ranges below this are taken for it where a formula divides by the range, m; as in [`crate::plots::measurement`].
-const NEAREST_M: f64 = 1e-3;
-/// The same where motion across the line of sight is turned into an angle, m.
+/// Ranges below this are taken for it where motion across the line of sight is turned into an angle, m.
 const NEAREST_DRIFT_M: f64 = 1.0;
 
-/// What one mode expects, and its gate.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Expectation<const N: usize> {
+/// What one component expects.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Expectation {
     /// h(u*) in (r, β, ε, ṙ): centre of the gate.
     pub centre: [Row; COORDINATES],
     /// p*, predicted variances of the four.
@@ -34,62 +33,68 @@ pub struct Expectation<const N: usize> {
     pub drift: [Row; COORDINATES],
     /// h, half widths of the gate for a plot of nominal errors.
     pub half: [Row; COORDINATES],
-    /// U, volume of the gate in resolution cells.
-    pub cells: Row,
     /// e_r.
     pub radial: [Row; 3],
+    /// g_p: ∂ṙ/∂position, 1/s.
+    pub gradient: [Row; 3],
     /// e_β; its height is 0.
     pub along_azimuth: [Row; 2],
     /// e_ε.
     pub along_elevation: [Row; 3],
     /// ρ cos ε and ρ, squared, m².
     pub square: [Row; 2],
-    /// c = P* H₄ᵀ.
-    pub cross: [Row; N],
+    /// c = P* H₄ᵀ, of the states that the component knows.
+    pub cross: [Row; STATE],
 }
 
-impl<const N: usize> Default for Expectation<N> {
-    fn default() -> Self {
-        Self {
-            centre: [Row::ZERO; COORDINATES],
-            variance: [Row::ZERO; COORDINATES],
-            drift: [Row::ZERO; COORDINATES],
-            half: [Row::ZERO; COORDINATES],
-            cells: Row::ZERO,
-            radial: [Row::ZERO; 3],
-            along_azimuth: [Row::ZERO; 2],
-            along_elevation: [Row::ZERO; 3],
-            square: [Row::ZERO; 2],
-            cross: [Row::ZERO; N],
-        }
-    }
-}
-
-impl<const N: usize> Expectation<N> {
-    /// The gate of one lane.
-    pub(super) fn gate(&self, lane: usize, alpha: f64) -> Gate {
-        let of = |rows: &[Row; COORDINATES]| rows.map(|row| row.0[lane]);
-        Gate {
-            centre: of(&self.centre),
-            predicted: of(&self.variance),
-            drift: of(&self.drift),
-            half: of(&self.half),
-            alpha,
-        }
-    }
-}
-
-/// For the prediction of one mode.
-#[inline(always)]
-pub(super) fn expect<S: Simd, const N: usize, const P: usize>(
-    lanes: Lanes<S>,
-    mode: &Mode<N, P>,
+/// Expected measurements and gates of half width `alpha` of all components in `lanes` lanes.
+pub fn expect(
+    machine: Machine,
+    lanes: usize,
     radar: &Radar,
     alpha: f64,
-    out: &mut Expectation<N>,
+    prediction: &Group,
+    expected: &mut Vec<Expectation>,
 ) {
+    expected.resize(prediction.layout().len(), Expectation::default());
+    machine.arch(lanes).dispatch(Expect { lanes, radar, alpha, prediction, expected });
+}
+
+struct Expect<'a> {
+    lanes: usize,
+    radar: &'a Radar,
+    alpha: f64,
+    prediction: &'a Group,
+    expected: &'a mut [Expectation],
+}
+
+impl WithSimd for Expect<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { radar, alpha, prediction, expected, .. } = self;
+        for part in 0..Lanes::<S>::parts(self.lanes) {
+            let lanes = Lanes::of(simd, part);
+            for (j, out) in expected.iter_mut().enumerate() {
+                for_known!(prediction.layout().known(j), expect_component(lanes, prediction, j, radar, alpha, out));
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn expect_component<S: Simd, const N: usize, const P: usize>(
+    lanes: Lanes<S>,
+    prediction: &Group,
+    j: usize,
+    radar: &Radar,
+    alpha: f64,
+    out: &mut Expectation,
+) {
+    let component: Component<'_, N, P> = prediction.component(j);
     let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
-    let u = lanes.all(&mode.mean);
+    let u = lanes.all(component.mean);
     let (mut velocity, mut acceleration) = ([zero; 3], [zero; 3]);
     for i in 0..3 {
         if N > 3 {
@@ -127,8 +132,8 @@ pub(super) fn expect<S: Simd, const N: usize, const P: usize>(
         let mut c = zero;
         if N > 3 {
             for k in 0..3 {
-                c += lanes.get(&mode.covariance[at(i, k)]) * gradient[k];
-                c += lanes.get(&mode.covariance[at(i, 3 + k)]) * radial[k];
+                c += lanes.get(&component.covariance[at(i, k)]) * gradient[k];
+                c += lanes.get(&component.covariance[at(i, 3 + k)]) * radial[k];
             }
             if i < 3 {
                 rate_variance += gradient[i] * c;
@@ -144,10 +149,11 @@ pub(super) fn expect<S: Simd, const N: usize, const P: usize>(
     let gated_across = across.max(lanes.splat(NEAREST_M));
     let centre = [rho, u[0].azimuth(u[1]), u[2].elevation(ground), range_rate];
     let azimuth_direction = [along_azimuth[0], along_azimuth[1], zero];
+    // Rounding can take a variance below zero.
     let variance = [
-        along(lanes, mode, &radial),
-        along(lanes, mode, &azimuth_direction) / (gated_across * gated_across).rounded(),
-        along(lanes, mode, &along_elevation) / (rho * rho).rounded(),
+        along(lanes, component, &radial),
+        along(lanes, component, &azimuth_direction) / (gated_across * gated_across).rounded(),
+        along(lanes, component, &along_elevation) / (rho * rho).rounded(),
         rate_variance,
     ]
     .map(|variance| variance.max(zero));
@@ -159,23 +165,20 @@ pub(super) fn expect<S: Simd, const N: usize, const P: usize>(
         dot(&velocity, &along_elevation) / rho.max(nearest),
         dot(&acceleration, &radial) + turning / rho.max(nearest),
     ];
-    let mut cells = one;
     for i in 0..COORDINATES {
         let mut half = (lanes.splat(alpha) * (variance[i] + lanes.splat(radar.variance[i])).sqrt()).rounded();
+        // Azimuth is bounded to a quarter turn either way, so that a track above the antenna does not wait for the beam for ever.
         if i == 1 || i == 2 {
             half = half.min(lanes.splat(FRAC_PI_2));
-        }
-        if radar.measured[i] {
-            cells = (cells * half * lanes.splat(2.0 / radar.cell[i])).rounded();
         }
         lanes.put(&mut out.half[i], half);
         lanes.put(&mut out.centre[i], centre[i]);
         lanes.put(&mut out.variance[i], variance[i]);
         lanes.put(&mut out.drift[i], drift[i]);
     }
-    lanes.put(&mut out.cells, cells);
     for i in 0..3 {
         lanes.put(&mut out.radial[i], radial[i]);
+        lanes.put(&mut out.gradient[i], gradient[i]);
         lanes.put(&mut out.along_elevation[i], along_elevation[i]);
     }
     for i in 0..2 {
@@ -187,12 +190,16 @@ pub(super) fn expect<S: Simd, const N: usize, const P: usize>(
 
 /// eᵀ P* e over the position.
 #[inline(always)]
-fn along<S: Simd, const N: usize, const P: usize>(lanes: Lanes<S>, mode: &Mode<N, P>, e: &[V<S>; 3]) -> V<S> {
+fn along<S: Simd, const N: usize, const P: usize>(
+    lanes: Lanes<S>,
+    component: Component<'_, N, P>,
+    e: &[V<S>; 3],
+) -> V<S> {
     let mut sum = lanes.splat(0.0);
     for b in 0..3 {
         let mut row = lanes.splat(0.0);
         for a in 0..3 {
-            row += lanes.get(&mode.covariance[at(a, b)]) * e[a];
+            row += lanes.get(&component.covariance[at(a, b)]) * e[a];
         }
         sum += row * e[b];
     }

@@ -1,20 +1,22 @@
-//! The interacting multiple-model estimator: mixing, prediction and output (T2)-(T4), (T16).
+//! The interacting multiple-model estimator, one track at a time: mixing, prediction and output (T2)-(T4), (T16), as they are written.
 
 use common::tracks::{PACKED, STATE};
 
-use crate::filter::gaussian::{Gaussian, packed};
-use crate::filter::uav::motion::{DIMENSIONS, MODES, Motion};
+use super::motion::{DIMENSIONS, Motion};
+use tracker::filter::gaussian::{Gaussian, at, packed};
+use tracker::filter::uav::{MODES, Uav};
+use tracker::filter::{Filter, Mixture};
 
 /// Π: probability of the step from mode i (row) to mode j (column).
-pub type Transition = [[f64; MODES]; MODES];
+pub(crate) type Transition = [[f64; MODES]; MODES];
 
 /// One Gaussian and one probability per mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Imm {
+pub(crate) struct Imm {
     /// û, P̂ (or u*, P* when predicted) by mode.
-    pub modes: [Gaussian; MODES],
+    pub(crate) modes: [Gaussian; MODES],
     /// W (or W*) by mode; they sum to 1.
-    pub probability: [f64; MODES],
+    pub(crate) probability: [f64; MODES],
 }
 
 /// Π over `dt_s` of the chain that stays in its mode with probability `stay` over 1 s and else
@@ -25,7 +27,7 @@ pub struct Imm {
 /// ```
 ///
 /// Needs `stay` > 1/3. Powers of 1 s give the printed matrix exactly only up to rounding.
-pub fn transition(stay: f64, dt_s: f64) -> Transition {
+pub(crate) fn transition(stay: f64, dt_s: f64) -> Transition {
     let kappa = (0.5 * (3.0 * stay - 1.0)).powf(dt_s);
     let same = (1.0 + 2.0 * kappa) / 3.0;
     let other = (1.0 - kappa) / 3.0;
@@ -47,7 +49,7 @@ impl Imm {
     ///
     /// F is the destination mode's; only the states it keeps are mixed.
     #[must_use]
-    pub fn predict(&self, transition: &Transition, motion: &Motion, dt_s: f64) -> Self {
+    pub(crate) fn predict(&self, transition: &Transition, motion: &Motion, dt_s: f64) -> Self {
         let mut predicted = Self { modes: [Gaussian::ZERO; MODES], probability: [0.0; MODES] };
         for (j, &n) in DIMENSIONS.iter().enumerate() {
             let joint: [f64; MODES] = std::array::from_fn(|i| transition[i][j] * self.probability[i]);
@@ -61,7 +63,7 @@ impl Imm {
                 }
             }
             for (weight, mode) in share.iter().zip(&self.modes) {
-                mixed.accumulate(*weight, mode, n);
+                accumulate(mixed, *weight, mode, n);
             }
             motion.predict(j, mixed, dt_s); // (T3), (T4)
             predicted.probability[j] = total;
@@ -69,8 +71,30 @@ impl Imm {
         predicted
     }
 
+    /// The modes of a state of the filter under test.
+    pub(crate) fn of(state: Mixture<'_>) -> Self {
+        Self {
+            modes: std::array::from_fn(|j| state.gaussian(j)),
+            probability: std::array::from_fn(|j| state.weights()[j]),
+        }
+    }
+
+    /// The state of the filter under test; what a mode does not know is dropped.
+    pub(crate) fn words(&self, filter: &Uav) -> Vec<f64> {
+        let layout = filter.layout();
+        let mut words = vec![0.0; layout.words()];
+        words[..MODES].copy_from_slice(&self.probability);
+        for (j, gaussian) in self.modes.iter().enumerate() {
+            let n = layout.known(j);
+            let (mean, covariance) = words[layout.start(j)..].split_at_mut(n);
+            mean.copy_from_slice(&gaussian.mean[..n]);
+            covariance[..packed(n)].copy_from_slice(&gaussian.covariance[..packed(n)]);
+        }
+        words
+    }
+
     /// Mean and covariance of the whole mixture (T16).
-    pub fn mixture(&self) -> Gaussian {
+    pub(crate) fn mixture(&self) -> Gaussian {
         let mut mixture = Gaussian { mean: [0.0; STATE], covariance: [0.0; PACKED] };
         for (weight, mode) in self.probability.iter().zip(&self.modes) {
             for i in 0..STATE {
@@ -78,36 +102,35 @@ impl Imm {
             }
         }
         for (weight, mode) in self.probability.iter().zip(&self.modes) {
-            mixture.accumulate(*weight, mode, STATE);
+            accumulate(&mut mixture, *weight, mode, STATE);
         }
         mixture
     }
 
-    /// Σ_j W_j x_j.
-    pub fn average(&self, by_mode: &[f64; MODES]) -> f64 {
-        (0..MODES).map(|j| self.probability[j] * by_mode[j]).sum()
-    }
-
-    /// Index of the most probable mode (the first of equals).
-    pub fn most_probable(&self) -> usize {
-        let mut best = 0;
-        for j in 1..MODES {
-            if self.probability[j] > self.probability[best] {
-                best = j;
-            }
-        }
-        best
-    }
-
     /// No NaN, no infinity, no negative variance in any mode; probabilities sum to 1.
-    pub fn is_sound(&self) -> bool {
-        self.modes.iter().all(Gaussian::is_sound) && (self.probability.iter().sum::<f64>() - 1.0).abs() < 1e-9
+    pub(crate) fn is_sound(&self) -> bool {
+        self.modes.iter().all(is_sound) && (self.probability.iter().sum::<f64>() - 1.0).abs() < 1e-9
     }
 }
 
 const _: () = assert!(packed(DIMENSIONS[MODES - 1]) == PACKED);
 
-#[cfg(test)]
+fn is_sound(gaussian: &Gaussian) -> bool {
+    gaussian.mean.iter().chain(&gaussian.covariance).all(|value| value.is_finite())
+        && (0..STATE).all(|i| gaussian.covariance[at(i, i)] >= 0.0)
+}
+
+/// Adds `weight` · (P + d dᵀ), d = `other` − u, to the leading `n` states' covariance: one term of
+/// a mixture whose mean is already known.
+fn accumulate(sum: &mut Gaussian, weight: f64, other: &Gaussian, n: usize) {
+    let d: [f64; STATE] = std::array::from_fn(|i| if i < n { other.mean[i] - sum.mean[i] } else { 0.0 });
+    for j in 0..n {
+        for i in 0..=j {
+            sum.covariance[at(i, j)] += weight * (other.covariance[at(i, j)] + d[i] * d[j]);
+        }
+    }
+}
+
 mod tests {
     use super::*;
 

@@ -1,32 +1,30 @@
-//! The plots that the tracks of a block may have caused: slot m holds the m-th candidate of every lane.
+//! The plots that the tracks of a group may have caused, built by the shared association: slot m holds the m-th candidate of every lane.
 //!
 //! A lane with fewer candidates than slots has weight 0 in the rest. What else stands there is left from before: valid, and
 //! multiplied by 0.
 
-use crate::filter::uav::motion::MODES;
-use crate::plots::measurement::{COORDINATES, Measurement};
-
 use super::lanes::{LANES, Row};
+use crate::plots::measurement::{COORDINATES, Measurement};
 
 /// One candidate of every lane.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Slot {
+pub(in crate::filter) struct Slot {
     /// (x, y, z), m.
-    pub(super) position: [Row; 3],
+    pub(in crate::filter) position: [Row; 3],
     /// ṙ, m/s.
-    pub(super) range_rate: Row,
+    pub(in crate::filter) range_rate: Row,
     /// Plot's time minus the prediction's, s.
-    pub(super) offset_s: Row,
+    pub(in crate::filter) offset_s: Row,
     /// a = ℓ/ρ, m³·m/s; 0 where there is no candidate.
-    pub(super) gain: Row,
+    pub(in crate::filter) gain: Row,
     /// σ² of (r, β, ε, ṙ).
-    pub(super) variance: [Row; COORDINATES],
+    pub(in crate::filter) variance: [Row; COORDINATES],
     /// 1 where elevation and range rate were measured, else 0.
-    pub(super) measured: [Row; 2],
+    pub(in crate::filter) measured: [Row; 2],
     /// Whether every lane's plot has the errors of its plot in the slot before.
-    pub(super) as_before: bool,
+    pub(in crate::filter) as_before: bool,
     /// Whether elevation and range rate were measured in all lanes.
-    pub(super) complete: bool,
+    pub(in crate::filter) complete: bool,
 }
 
 impl Slot {
@@ -48,24 +46,21 @@ impl Slot {
     }
 }
 
-/// Candidates of a block, and what a miss is worth; reused from block to block.
+/// Candidates of a group, and what a miss is worth; reused from group to group.
 #[derive(Debug, Default)]
-pub struct Candidates {
+pub struct Evidence {
     slots: Vec<Slot>,
     used: usize,
     count: [usize; LANES],
-    pub(super) none: [Row; MODES],
+    /// b_j by component.
+    pub(in crate::filter) none: Vec<Row>,
+    /// Whether the one candidate of a lane is the target's for certain, whatever its density.
+    pub(in crate::filter) decided: bool,
 }
 
-impl Default for Row {
-    fn default() -> Self {
-        Self::ZERO
-    }
-}
-
-impl Candidates {
-    /// No candidates and b_j = 1 in any lane.
-    pub fn clear(&mut self) {
+impl Evidence {
+    /// No candidates and b_j = 1 in any lane, for states of `components` components.
+    pub fn clear(&mut self, components: usize) {
         for slot in &mut self.slots[..self.used] {
             slot.gain = Row::ZERO;
             slot.as_before = true;
@@ -73,13 +68,24 @@ impl Candidates {
         }
         self.used = 0;
         self.count = [0; LANES];
-        self.none = [Row::splat(1.0); MODES];
+        self.none.clear();
+        self.none.resize(components, Row::splat(1.0));
+        self.decided = false;
+    }
+
+    /// From now on the one candidate of each lane is the target's for certain, and b_j counts where there is none.
+    pub fn decide(&mut self) {
+        debug_assert!(self.count.iter().all(|&count| count <= 1), "several certain plots: {:?}", self.count);
+        self.decided = true;
+        for lane in (0..LANES).filter(|&lane| self.count[lane] > 0) {
+            self.none.iter_mut().for_each(|row| row.0[lane] = 0.0);
+        }
     }
 
     /// b_j = 1 − D P_Gj of the track in `lane`.
-    pub fn set_none(&mut self, lane: usize, none: [f64; MODES]) {
+    pub fn set_none(&mut self, lane: usize, none: &[f64]) {
         for (row, value) in self.none.iter_mut().zip(none) {
-            row.0[lane] = value;
+            row.0[lane] = *value;
         }
     }
 
@@ -121,7 +127,12 @@ impl Candidates {
         self.used
     }
 
-    pub(super) fn in_use(&self) -> &[Slot] {
+    /// a of the first slot; 0 in lanes without a candidate.
+    pub(in crate::filter) fn first_gain(&self) -> Row {
+        self.in_use().first().map_or(Row::ZERO, |slot| slot.gain)
+    }
+
+    pub(in crate::filter) fn in_use(&self) -> &[Slot] {
         &self.slots[..self.used]
     }
 }

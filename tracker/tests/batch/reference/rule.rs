@@ -1,11 +1,17 @@
-//! The association rule (T20) one track at a time, as it is written: the oracle of the batch path.
+//! The association rule (T20) one track at a time, as it is written.
+
+use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{SMatrix, SVector};
-use tracker::association::gate::{Gate, Radar};
+use tracker::association::gate::Gate;
 use tracker::filter::gaussian::at;
-use tracker::filter::uav::imm::Imm;
-use tracker::filter::uav::motion::{DIMENSIONS, MODES};
-use tracker::plots::measurement::{COORDINATES, Expected, Likelihood, Measurement};
+use tracker::filter::uav::MODES;
+use tracker::plots::measurement::{COORDINATES, Measurement};
+use tracker::plots::radar::Radar;
+
+use super::expected::{Expected, Likelihood};
+use super::imm::Imm;
+use super::motion::DIMENSIONS;
 
 /// A plot that the track may have caused.
 #[derive(Debug, Clone, Copy)]
@@ -36,17 +42,13 @@ pub(crate) fn expect(prediction: &Imm) -> [Expected; MODES] {
 
 /// One gate per mode.
 pub(crate) fn gates(expected: &[Expected; MODES], radar: &Radar, alpha: f64) -> [Gate; MODES] {
-    expected.map(|expected| Gate::new(&expected, radar, alpha))
-}
-
-/// U_j = Π 2h_ji/δ_i over the measured coordinates.
-pub(crate) fn cells(gate: &Gate, radar: &Radar) -> f64 {
-    (0..COORDINATES).filter(|&i| radar.measured[i]).map(|i| 2.0 * gate.half[i] / radar.cell[i]).product()
-}
-
-/// Whether a plot lies in any mode's gate.
-pub(crate) fn is_inside(plot: &Measurement, offset_s: f64, gates: &[Gate; MODES]) -> bool {
-    gates.iter().any(|gate| gate.holds(&gate.offset(plot, offset_s), plot))
+    expected.map(|expected| {
+        let mut half: [f64; COORDINATES] =
+            std::array::from_fn(|i| alpha * (expected.polar_variance[i] + radar.variance[i]).sqrt());
+        half[1] = half[1].min(FRAC_PI_2);
+        half[2] = half[2].min(FRAC_PI_2);
+        Gate { centre: expected.polar(), predicted: expected.polar_variance, drift: expected.drift(), half, alpha }
+    })
 }
 
 /// Weights and moments, with every plot's own posterior written out (T8), (T14).

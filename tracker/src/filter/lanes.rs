@@ -10,13 +10,19 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use pulp::Simd;
 
-/// Tracks in a block.
+/// Tracks in a group.
 pub const LANES: usize = 8;
 
-/// One number of each track of a block: a cache line.
+/// One number of each track of a group: a cache line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub struct Row(pub [f64; LANES]);
+
+impl Default for Row {
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
 
 impl Row {
     /// All zero.
@@ -28,40 +34,43 @@ impl Row {
     }
 }
 
-/// The part of a block that is worked on: lanes `part` · width and up.
+/// The part of a group that is worked on: lanes `part` · width and up.
 #[derive(Clone, Copy)]
-pub(super) struct Lanes<S: Simd> {
+pub(in crate::filter) struct Lanes<S: Simd> {
     simd: S,
     part: usize,
 }
 
 impl<S: Simd> Lanes<S> {
-    /// Parts of a block.
-    pub(super) const PARTS: usize = LANES / S::F64_LANES;
+    /// Parts of a group of which `lanes` lanes are in use.
+    #[inline(always)]
+    pub(in crate::filter) fn parts(lanes: usize) -> usize {
+        lanes.div_ceil(S::F64_LANES)
+    }
 
     #[inline(always)]
-    pub(super) fn of(simd: S, part: usize) -> Self {
+    pub(in crate::filter) fn of(simd: S, part: usize) -> Self {
         Self { simd, part }
     }
 
     #[inline(always)]
-    pub(super) fn splat(self, value: f64) -> V<S> {
+    pub(in crate::filter) fn splat(self, value: f64) -> V<S> {
         V(self.simd, self.simd.splat_f64s(value))
     }
 
     #[inline(always)]
-    pub(super) fn get(self, row: &Row) -> V<S> {
+    pub(in crate::filter) fn get(self, row: &Row) -> V<S> {
         V(self.simd, S::as_simd_f64s(&row.0).0[self.part])
     }
 
     #[inline(always)]
-    pub(super) fn put(self, row: &mut Row, value: impl Into<V<S>>) {
+    pub(in crate::filter) fn put(self, row: &mut Row, value: impl Into<V<S>>) {
         S::as_mut_simd_f64s(&mut row.0).0[self.part] = value.into().1;
     }
 
     /// Several rows at once.
     #[inline(always)]
-    pub(super) fn all<const N: usize>(self, rows: &[Row; N]) -> [V<S>; N] {
+    pub(in crate::filter) fn all<const N: usize>(self, rows: &[Row; N]) -> [V<S>; N] {
         let mut values = [self.splat(0.0); N];
         for i in 0..N {
             values[i] = self.get(&rows[i]);
@@ -72,63 +81,63 @@ impl<S: Simd> Lanes<S> {
 
 /// A vector of lanes.
 #[derive(Clone, Copy)]
-pub(super) struct V<S: Simd>(S, S::f64s);
+pub(in crate::filter) struct V<S: Simd>(S, S::f64s);
 
 /// a · b, not yet rounded.
 #[derive(Clone, Copy)]
-pub(super) struct Product<S: Simd>(V<S>, V<S>);
+pub(in crate::filter) struct Product<S: Simd>(V<S>, V<S>);
 
 /// One yes or no per lane.
 #[derive(Clone, Copy)]
-pub(super) struct Mask<S: Simd>(S, S::m64s);
+pub(in crate::filter) struct Mask<S: Simd>(S, S::m64s);
 
 impl<S: Simd> V<S> {
     #[inline(always)]
-    pub(super) fn splat(self, value: f64) -> Self {
+    pub(in crate::filter) fn splat(self, value: f64) -> Self {
         Self(self.0, self.0.splat_f64s(value))
     }
 
     #[inline(always)]
-    pub(super) fn sqrt(self) -> Self {
+    pub(in crate::filter) fn sqrt(self) -> Self {
         Self(self.0, self.0.sqrt_f64s(self.1))
     }
 
     #[inline(always)]
-    pub(super) fn abs(self) -> Self {
+    pub(in crate::filter) fn abs(self) -> Self {
         Self(self.0, self.0.abs_f64s(self.1))
     }
 
     /// The larger one; which of them if either is NaN depends on the machine.
     #[inline(always)]
-    pub(super) fn max(self, other: Self) -> Self {
+    pub(in crate::filter) fn max(self, other: Self) -> Self {
         Self(self.0, self.0.max_f64s(self.1, other.1))
     }
 
     #[inline(always)]
-    pub(super) fn min(self, other: Self) -> Self {
+    pub(in crate::filter) fn min(self, other: Self) -> Self {
         Self(self.0, self.0.min_f64s(self.1, other.1))
     }
 
     /// False where either is NaN.
     #[inline(always)]
-    pub(super) fn less(self, other: Self) -> Mask<S> {
+    pub(in crate::filter) fn less(self, other: Self) -> Mask<S> {
         Mask(self.0, self.0.less_than_f64s(self.1, other.1))
     }
 
     /// 0 < x < the largest finite number.
     #[inline(always)]
-    pub(super) fn is_positive(self) -> Mask<S> {
+    pub(in crate::filter) fn is_positive(self) -> Mask<S> {
         self.splat(0.0).less(self).and(self.less(self.splat(f64::MAX)))
     }
 
     #[inline(always)]
-    pub(super) fn inverse(self) -> Self {
+    pub(in crate::filter) fn inverse(self) -> Self {
         self.splat(1.0) / self
     }
 
     /// x · 2^k for k in the lowest bits of `whole`, where neither x nor the result is denormal or beyond the largest number.
     #[inline(always)]
-    pub(super) fn times_power_of_two(self, whole: Self) -> Self {
+    pub(in crate::filter) fn times_power_of_two(self, whole: Self) -> Self {
         let simd = self.0;
         let exponent =
             simd.mul_u64s(simd.transmute_u64s_f64s(whole.1), simd.splat_u64s(1 << (f64::MANTISSA_DIGITS - 1)));
@@ -138,20 +147,20 @@ impl<S: Simd> V<S> {
 
 impl<S: Simd> Mask<S> {
     #[inline(always)]
-    pub(super) fn and(self, other: Self) -> Self {
+    pub(in crate::filter) fn and(self, other: Self) -> Self {
         Self(self.0, self.0.and_m64s(self.1, other.1))
     }
 
     /// `yes` where the mask is set, else `no`.
     #[inline(always)]
-    pub(super) fn pick(self, yes: impl Into<V<S>>, no: impl Into<V<S>>) -> V<S> {
+    pub(in crate::filter) fn pick(self, yes: impl Into<V<S>>, no: impl Into<V<S>>) -> V<S> {
         V(self.0, self.0.select_f64s(self.1, yes.into().1, no.into().1))
     }
 }
 
 impl<S: Simd> Product<S> {
     #[inline(always)]
-    pub(super) fn rounded(self) -> V<S> {
+    pub(in crate::filter) fn rounded(self) -> V<S> {
         let simd = self.0.0;
         V(simd, simd.mul_f64s(self.0.1, self.1.1))
     }
@@ -221,7 +230,7 @@ impl<S: Simd> SubAssign<Product<S>> for V<S> {
 
 /// a · b, n ≥ 1 terms.
 #[inline(always)]
-pub(super) fn dot<S: Simd, const N: usize>(a: &[V<S>; N], b: &[V<S>; N]) -> V<S> {
+pub(in crate::filter) fn dot<S: Simd, const N: usize>(a: &[V<S>; N], b: &[V<S>; N]) -> V<S> {
     let mut sum = (a[0] * b[0]).rounded();
     for i in 1..N {
         sum += a[i] * b[i];

@@ -59,7 +59,7 @@ const TAN_PI_8: f64 = 0.414_213_562_373_095_03;
 impl<S: Simd> V<S> {
     /// e^x; 0 below −708, constant above 709.
     #[inline(always)]
-    pub(super) fn exp(self) -> Self {
+    pub(in crate::filter) fn exp(self) -> Self {
         let x = self.min(self.splat(EXP_MOST)).max(self.splat(EXP_LEAST));
         let to_whole = self.splat(TO_WHOLE);
         let whole = x * self.splat(LOG2_E) + to_whole;
@@ -71,7 +71,7 @@ impl<S: Simd> V<S> {
 
     /// β of (T5): the angle of (`self`, `north`) clockwise from north, in [0, 2π); 0 of (0, 0).
     #[inline(always)]
-    pub(super) fn azimuth(self, north: Self) -> Self {
+    pub(in crate::filter) fn azimuth(self, north: Self) -> Self {
         let zero = self.splat(0.0);
         let acute = self.abs().acute_angle(north.abs());
         let half_turn = north.less(zero).pick(self.splat(PI) - acute, acute);
@@ -82,7 +82,7 @@ impl<S: Simd> V<S> {
 
     /// ε of (T5): the angle of `self` up from `ground` ≥ 0, in [−π/2, π/2]; 0 of (0, 0).
     #[inline(always)]
-    pub(super) fn elevation(self, ground: Self) -> Self {
+    pub(in crate::filter) fn elevation(self, ground: Self) -> Self {
         let acute = self.abs().acute_angle(ground);
         self.less(self.splat(0.0)).pick(-acute, acute)
     }
@@ -118,7 +118,7 @@ fn polynomial<S: Simd, const N: usize>(x: V<S>, coefficients: &[f64; N]) -> V<S>
 
 #[cfg(test)]
 mod tests {
-    use super::super::lanes::{Lanes, Row};
+    use super::super::lanes::{LANES, Lanes, Row};
     use super::*;
     use common::angle;
     use proptest::prelude::*;
@@ -133,7 +133,7 @@ mod tests {
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> [Row; 3] {
             let mut out = [Row::ZERO; 3];
-            for part in 0..Lanes::<S>::PARTS {
+            for part in 0..Lanes::<S>::parts(LANES) {
                 let lanes = Lanes::of(simd, part);
                 let [x, y] = lanes.all(&self.0);
                 lanes.put(&mut out[0], x.exp());

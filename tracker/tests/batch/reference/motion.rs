@@ -1,4 +1,4 @@
-//! The three modes of motion (T1): hover, near-constant velocity, manoeuvre.
+//! The three modes of motion (T1), one track at a time: the definition that the vectors must equal.
 //!
 //! Per axis, over a time step T and with the states [position, velocity, acceleration]:
 //! ```text
@@ -9,27 +9,19 @@
 
 use common::tracks::STATE;
 
-use crate::filter::gaussian::{Gaussian, at, packed};
-
-/// Number of modes.
-pub const MODES: usize = 3;
-/// Index of the hover mode.
-pub const HOVER: usize = 0;
-/// Index of the near-constant-velocity mode.
-pub const CONSTANT_VELOCITY: usize = 1;
-/// Index of the manoeuvre mode.
-pub const MANOEUVRE: usize = 2;
+use tracker::filter::gaussian::{Gaussian, at, packed};
+use tracker::filter::uav::{CONSTANT_VELOCITY, HOVER, MODES};
 
 /// States that each mode knows: the leading ones.
-pub const DIMENSIONS: [usize; MODES] = [3, 6, 9];
+pub(crate) const DIMENSIONS: [usize; MODES] = [3, 6, 9];
 
 /// Process noise and dimension of space.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
+pub(crate) struct Motion {
     /// a₁ (m/s), a₂ (m/s²), a₃ (m/s³).
-    pub noise: [f64; MODES],
+    pub(crate) noise: [f64; MODES],
     /// 3, or 2 for a radar without elevation: z and its derivatives then stay zero.
-    pub axes: usize,
+    pub(crate) axes: usize,
 }
 
 impl Motion {
@@ -41,7 +33,7 @@ impl Motion {
     /// ```
     ///
     /// F is the same for every axis, so each pair of axes is a 3×3 problem of its own.
-    pub fn predict(&self, mode: usize, gaussian: &mut Gaussian, dt_s: f64) {
+    pub(crate) fn predict(&self, mode: usize, gaussian: &mut Gaussian, dt_s: f64) {
         let half_square = 0.5 * dt_s * dt_s;
         match mode {
             HOVER => {}
@@ -130,7 +122,6 @@ fn accelerate(p: &mut [f64], t: f64) {
     }
 }
 
-#[cfg(test)]
 mod tests {
     use super::*;
     use nalgebra::{SMatrix, SVector};
