@@ -93,6 +93,11 @@ pub struct UsedPlot {
     pub reserved: u32,
 }
 
+impl UsedPlot {
+    /// No plot.
+    pub const NONE: Self = Self { seq: 0, index: 0, weight: 0.0, gates: 0, reserved: 0 };
+}
+
 /// What a filter says of a target's way to move, for [`Track`].
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
 pub struct Models {
@@ -202,41 +207,44 @@ const _: () = assert!(size_of::<Track>() == 1680 && align_of::<Track>() == 8);
 
 impl Default for Track {
     fn default() -> Self {
-        Self {
-            time_ns: 0,
-            id: 0,
-            state: [0.0; STATE],
-            covariance: [0.0; PACKED],
-            predicted_state: [0.0; STATE],
-            predicted_covariance: [0.0; PACKED],
-            model_state: [0.0; STATE],
-            model_covariance: [0.0; PACKED],
-            model_probability: [0.0; MODELS],
-            model_parameter: [0.0; MODELS],
-            existence: 0.0,
-            gate_volume: 0.0,
-            weight_none: 0.0,
-            weight_best: 0.0,
-            best_plot_seq: 0,
-            best_plot_index: u32::MAX,
-            plots_in_gate: 0,
-            state_code: TENTATIVE,
-            gate_code: GATE_NONE,
-            age_scans: 0,
-            hits: 0,
-            misses: 0,
-            snr_db: 0.0,
-            model_kind: [KIND_NONE; MODELS],
-            estimator: 0,
-            known: 0,
-            models: 0,
-            reserved: 0,
-            used: [UsedPlot::default(); USED_PLOTS],
-        }
+        Self::EMPTY
     }
 }
 
 impl Track {
+    /// A tentative track of which nothing is known.
+    pub const EMPTY: Self = Self {
+        time_ns: 0,
+        id: 0,
+        state: [0.0; STATE],
+        covariance: [0.0; PACKED],
+        predicted_state: [0.0; STATE],
+        predicted_covariance: [0.0; PACKED],
+        model_state: [0.0; STATE],
+        model_covariance: [0.0; PACKED],
+        model_probability: [0.0; MODELS],
+        model_parameter: [0.0; MODELS],
+        existence: 0.0,
+        gate_volume: 0.0,
+        weight_none: 0.0,
+        weight_best: 0.0,
+        best_plot_seq: 0,
+        best_plot_index: u32::MAX,
+        plots_in_gate: 0,
+        state_code: TENTATIVE,
+        gate_code: GATE_NONE,
+        age_scans: 0,
+        hits: 0,
+        misses: 0,
+        snr_db: 0.0,
+        model_kind: [KIND_NONE; MODELS],
+        estimator: 0,
+        known: 0,
+        models: 0,
+        reserved: 0,
+        used: [UsedPlot::NONE; USED_PLOTS],
+    };
+
     /// Confirmed or coasting: shown to users.
     pub fn is_confirmed(&self) -> bool {
         self.state_code == CONFIRMED || self.state_code == COASTING

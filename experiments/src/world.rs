@@ -147,6 +147,7 @@ pub fn plot(polar: [f64; COORDINATES], power: f64) -> Measurement {
         time_ns: 0,
         position: place.to_enu().into(),
         polar,
+        cos_elevation: polar[2].cos(),
         variance: SIGMA.map(|sigma| sigma * sigma),
         power,
         measured: [true; COORDINATES],

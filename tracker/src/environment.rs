@@ -11,7 +11,7 @@ use crate::association::clutter_map::ClutterMap;
 use crate::association::joint::Claimant;
 use crate::association::{FalsePlots, Surroundings};
 use crate::filter::{Filter, Machine, family};
-use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
 use crate::tracks::amplitude::Amplitude;
 use crate::tracks::initiation::PairLimits;
@@ -27,6 +27,8 @@ pub(crate) struct Environment {
     pub(crate) detector: Detector,
     /// Whether the header says how plots were detected; else decision statistics have no scale.
     pub(crate) threshold_is_known: bool,
+    /// Statistics of the power of a target of which nothing is known yet.
+    start_target: TargetStatistics,
     pub(crate) filter: Box<dyn Filter>,
     pub(crate) machine: Machine,
     pub(crate) clutter: ClutterMap,
@@ -45,6 +47,7 @@ impl Environment {
             radar,
             detector,
             threshold_is_known: header.pfa > 0.0,
+            start_target: detector.target(config.swerling, from_db(config.snr_db)),
             filter: family(config, &radar),
             machine,
             clutter: ClutterMap::new(radar, detector, base, config.clutter_map_scans),
@@ -73,15 +76,14 @@ impl Environment {
         limits: &PairLimits,
         config: &TrackerConfig,
     ) -> f64 {
-        let target = self.detector.target(config.swerling, from_db(config.snr_db));
         let evidence = |plot: &Measurement| {
-            let here = self.clutter.at(&plot.polar, turn, Some(previous));
+            let here = self.clutter.without(plot, turn, previous);
             let ratio = if plot.has_power && self.threshold_is_known {
-                target.likelihood_ratio_in_clutter(plot.power, here.mean_excess)
+                self.start_target.likelihood_ratio_in_clutter(plot.power, here.mean_excess)
             } else {
                 1.0
             };
-            ratio / (here.density * self.clutter.cell_volume(&plot.polar))
+            ratio / (here.density * self.clutter.cell_volume(plot))
         };
         let cells = limits.cells(last, step_s, &self.radar);
         let odds = (config.start_density * evidence(last) * evidence(previous) / cells).min(1e12);
@@ -108,13 +110,13 @@ impl Environment {
         amplitude: &'a Amplitude,
         shares: &'a [f64],
         turn: u32,
-    ) -> Surroundings<'a, impl Fn(&[f64; COORDINATES]) -> FalsePlots> {
+    ) -> Surroundings<'a, impl Fn(&Measurement) -> FalsePlots> {
         Surroundings {
             radar: &self.radar,
             detection_probability: self.detection_probability(config, amplitude),
             target: self.statistics(amplitude),
             shares,
-            clutter: move |polar: &[f64; COORDINATES]| self.clutter.at(polar, turn, None),
+            clutter: self.clutter.in_scan(turn),
         }
     }
 

@@ -98,7 +98,7 @@ fn long_run(filter: Box<dyn Filter>, config: &TrackerConfig, full: bool, scans: 
             detection_probability: target.detection_probability,
             target: Some(&target),
             shares: &[],
-            clutter: |_: &[f64; COORDINATES]| FalsePlots { density: 1e-9, mean_excess: 1.0 },
+            clutter: |_: &Measurement| FalsePlots { density: 1e-9, mean_excess: 1.0 },
         };
         let is_right =
             |track: &OneTrack| track.state().is_sound() && is_positive_definite(track.filter(), track.state(), axes);
@@ -155,7 +155,7 @@ proptest! {
                     detection_probability: target.detection_probability,
                     target: Some(&target),
                     shares: &[],
-                    clutter: |_: &[f64; COORDINATES]| FalsePlots { density, mean_excess: 2.0 },
+                    clutter: |_: &Measurement| FalsePlots { density, mean_excess: 2.0 },
                 };
                 track.predict(step_s);
                 let outcome = track.update(Member { time_ns: 0, plots: &plots, surroundings }, &radar, &rules);
@@ -223,7 +223,7 @@ proptest! {
                 detection_probability: target.detection_probability,
                 target: Some(&target),
                 shares: &shares,
-                clutter: |_: &[f64; COORDINATES]| FalsePlots { density, mean_excess: 2.0 },
+                clutter: |_: &Measurement| FalsePlots { density, mean_excess: 2.0 },
             };
             hypotheses.predict(means, step_s, &mut room);
             prop_assume!(hypotheses.states(&layout).all(|state| state.is_sound()));

@@ -232,7 +232,7 @@ impl Check {
             detection_probability: target.detection_probability,
             target: Some(&target),
             shares: &[],
-            clutter: |_: &[f64; COORDINATES]| FalsePlots { density: density.get(), mean_excess: 0.0 },
+            clutter: |_: &Measurement| FalsePlots { density: density.get(), mean_excess: 0.0 },
         };
         let prediction = track.words().to_vec();
         let member = || Member { time_ns: 0, plots: &plots, surroundings };
@@ -355,6 +355,7 @@ fn measurement(plot: &Value, cfg: &Value) -> Measurement {
         time_ns: 0,
         position: place.to_enu().into(),
         polar: [plot[0], plot[1], plot[2], plot[3]],
+        cos_elevation: plot[2].cos(),
         variance: std::array::from_fn(|i| sigma[i] * sigma[i]),
         power: plot.get(4).copied().unwrap_or(0.0),
         measured: [true; COORDINATES],

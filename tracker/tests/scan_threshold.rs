@@ -50,13 +50,13 @@ fn scan(rules: &Rules, pfa: f64, plots: &[Measurement]) -> (Outcome, f64) {
     let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured: [true; COORDINATES] };
     let target = Detector::new(pfa, 0).target(Swerling::One, 25.0);
     let per_cell =
-        |polar: &[f64; COORDINATES]| pfa / (CELL.iter().product::<f64>() * polar[0] * polar[0] * polar[2].cos());
+        |plot: &Measurement| pfa / (CELL.iter().product::<f64>() * plot.polar[0].powi(2) * plot.cos_elevation);
     let surroundings = Surroundings {
         radar: &radar,
         detection_probability: target.detection_probability,
         target: Some(&target),
         shares: &[],
-        clutter: |polar: &[f64; COORDINATES]| FalsePlots { density: per_cell(polar), mean_excess: 0.0 },
+        clutter: |plot: &Measurement| FalsePlots { density: per_cell(plot), mean_excess: 0.0 },
     };
     let mut track = prediction();
     let outcome = track.update(Member { time_ns: 0, plots, surroundings }, &radar, rules);

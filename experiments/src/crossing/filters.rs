@@ -10,7 +10,7 @@ use tracker::association::one_track::OneTrack;
 use tracker::association::scan::Member;
 use tracker::association::{FalsePlots, Rules, Surroundings};
 use tracker::filter::{Machine, Mixture, TwoPlots, family};
-use tracker::plots::measurement::{COORDINATES, Measurement};
+use tracker::plots::measurement::Measurement;
 use tracker::plots::radar::Radar;
 use tracker::tracks::amplitude::Amplitude;
 
@@ -95,8 +95,8 @@ impl Filters {
             self.plots.clear();
             self.plots.extend(seen);
             let cells: f64 = self.radar.cell.iter().product();
-            let clutter = |polar: &[f64; COORDINATES]| FalsePlots {
-                density: CONDITIONS.pfa / cells / (polar[0] * polar[0] * polar[2].cos().max(1e-3)),
+            let clutter = |plot: &Measurement| FalsePlots {
+                density: CONDITIONS.pfa / cells / (plot.polar[0] * plot.polar[0] * plot.cos_elevation.max(1e-3)),
                 mean_excess: 0.0,
             };
             let around = Surroundings {
@@ -138,7 +138,7 @@ impl Filters {
         Mixture::new(self.track.filter().layout(), words).moments().position()
     }
 
-    fn updated<F: Fn(&[f64; COORDINATES]) -> FalsePlots + Copy>(
+    fn updated<F: Fn(&Measurement) -> FalsePlots + Copy>(
         &mut self,
         own: usize,
         joint: bool,

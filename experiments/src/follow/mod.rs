@@ -22,7 +22,7 @@ use tracker::association::scan::{Member, Outcome};
 use tracker::association::{FalsePlots, Rules, Surroundings};
 use tracker::filter::gaussian::Gaussian;
 use tracker::filter::{Machine, Mixture, TwoPlots, family};
-use tracker::plots::measurement::{COORDINATES, Measurement};
+use tracker::plots::measurement::Measurement;
 use tracker::plots::radar::Radar;
 use tracker::tracks::amplitude::Amplitude;
 
@@ -215,8 +215,8 @@ impl Follower {
             },
             target: Some(&statistics),
             shares: &[],
-            clutter: |polar: &[f64; COORDINATES]| FalsePlots {
-                density: density / (polar[0] * polar[0] * polar[2].cos().max(1e-3)),
+            clutter: |plot: &Measurement| FalsePlots {
+                density: density / (plot.polar[0] * plot.polar[0] * plot.cos_elevation.max(1e-3)),
                 mean_excess: 0.0,
             },
         };

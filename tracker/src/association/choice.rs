@@ -19,7 +19,7 @@ use common::tracks::{GATE_MOST_PROBABLE, GATE_NONE, GATE_UNION, GATE_WIDEST, GAT
 
 use crate::association::gate::{self, Gate};
 use crate::filter::most_probable;
-use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
 
 /// How plots are chosen and weighted; the part of the configuration that the filter needs.
@@ -59,6 +59,13 @@ impl Rules {
             clutter: config.clutter,
             inflation: config.range_rate_inflation,
         }
+    }
+}
+
+impl Rules {
+    /// P_G of a gate about its own component, all coordinates together.
+    pub fn own_probability(&self, radar: &Radar) -> f64 {
+        self.gate_probability.unwrap_or_else(|| gate::own_probability(self.alpha, radar.dimensions()))
     }
 }
 
@@ -164,10 +171,10 @@ impl<F> Surroundings<'_, F> {
     }
 }
 
-impl<F: Fn(&[f64; COORDINATES]) -> FalsePlots> Surroundings<'_, F> {
+impl<F: Fn(&Measurement) -> FalsePlots> Surroundings<'_, F> {
     /// ℓ(q)/ρ₀ of a plot, m³·m/s: what its density under the target is to be multiplied by to weigh it against noise (T20.4).
     pub fn ratio_to_noise(&self, plot: &Measurement, rules: &Rules) -> f64 {
-        let here = (self.clutter)(&plot.polar);
+        let here = (self.clutter)(plot);
         self.ratio(plot, here, rules) * self.detection_probability / here.density
     }
 
@@ -202,6 +209,8 @@ pub struct Prospect<'a> {
     pub widest: usize,
     /// Time of the prediction, ns UTC.
     pub time_ns: u64,
+    /// P_G of a component's own gate, as [`Rules::own_probability`] says.
+    pub own_probability: f64,
 }
 
 /// Fills `candidates` with the plots in the gate that the rule names (T10).
@@ -247,8 +256,7 @@ pub fn select<F>(
     };
     let gate = gates[component];
     let detection_probability = surroundings.detection_probability_above(threshold);
-    let own = rules.gate_probability.unwrap_or_else(|| gate::own_probability(rules.alpha, radar.dimensions()));
-    let mut missed = [1.0 - detection_probability * own; MODELS];
+    let mut missed = [1.0 - detection_probability * prospect.own_probability; MODELS];
     for (j, missed) in missed.iter_mut().enumerate().take(gates.len()) {
         if rules.gate_probability_by_mode && !(rules.gate_rule == GateRule::Union && joined & 1 << j != 0) {
             *missed = 1.0 - detection_probability * gate.probability(&gates[j], radar);
@@ -298,7 +306,7 @@ fn append(
 }
 
 /// a_m of every candidate. Hard decisions leave one.
-pub fn weigh<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
+pub fn weigh<F: Fn(&Measurement) -> FalsePlots>(
     selection: &Selection,
     surroundings: &Surroundings<'_, F>,
     plots: &[Measurement],
@@ -310,7 +318,7 @@ pub fn weigh<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
     for candidate in candidates.iter_mut() {
         let plot = &plots[candidate.plot];
         let with_statistics = rules.association.uses_power() && plot.has_power;
-        let here = (surroundings.clutter)(&plot.polar);
+        let here = (surroundings.clutter)(plot);
         let above = if plot.has_power { surroundings.above(selection, here, with_statistics, parametric) } else { 1.0 };
         let density = if parametric { here.density } else { of_gate };
         let ratio = surroundings.ratio(plot, here, rules) * above;

@@ -40,6 +40,8 @@ pub struct ClutterMap {
     detector: Detector,
     base: f64,
     memory_scans: f64,
+    /// δ_r δ_β δ_ε δ_ṙ, of what is measured.
+    cells_product: f64,
     first_scan: Option<u32>,
     layers: [Layer; 3],
 }
@@ -51,14 +53,15 @@ impl ClutterMap {
             Layer::new(&radar, range_cells, azimuth_rad, prior_scans, memory_scans > 0)
         };
         let layers = [layer(1.0, TAU, 1.0), layer(4.0, TAU / 24.0, 2.0), layer(2.0, 2.0 * radar.cell[1], 40.0)];
-        Self { radar, detector, base, memory_scans: f64::from(memory_scans), first_scan: None, layers }
+        let cells_product = radar.volume(|i| radar.cell[i], 1.0, 1.0);
+        Self { radar, detector, base, memory_scans: f64::from(memory_scans), cells_product, first_scan: None, layers }
     }
 
     /// Counts a plot of scan `scan` of which `share` is not claimed by a track.
     pub fn observe(&mut self, measurement: &Measurement, share: f64, scan: u32) {
         self.first_scan.get_or_insert(scan);
         let excess = self.excess(measurement);
-        for layer in &mut self.layers {
+        for layer in self.layers.iter_mut().filter(|layer| !layer.bins.is_empty()) {
             let index = layer.bin(&self.radar, &measurement.polar).0;
             if let Some(bin) = layer.bins.get_mut(index) {
                 *bin = bin.at(scan, self.memory_scans);
@@ -73,16 +76,29 @@ impl ClutterMap {
         (measurement.power - self.detector.threshold).clamp(0.0, limit)
     }
 
-    /// What to expect at (r, β, ε, ṙ) in a scan. `own`, a plot of the scan before, is left out: it
-    /// must not speak against itself.
-    pub fn at(&self, polar: &[f64; COORDINATES], scan: u32, own: Option<&Measurement>) -> FalsePlots {
+    /// What to expect at each plot of a scan.
+    pub fn in_scan(&self, scan: u32) -> impl Fn(&Measurement) -> FalsePlots {
+        let scans = self.scans_learnt(scan);
+        move |plot| self.expect(plot, scan, scans, None)
+    }
+
+    /// What to expect at the place of `plot` in a scan without `own`, a plot of the scan before: it must not speak against itself.
+    pub fn without(&self, plot: &Measurement, scan: u32, own: &Measurement) -> FalsePlots {
+        self.expect(plot, scan, self.scans_learnt(scan), Some(own))
+    }
+
+    /// Σ κ^age over the scans so far.
+    fn scans_learnt(&self, scan: u32) -> f64 {
         let passed = f64::from(scan.saturating_sub(self.first_scan.unwrap_or(scan)));
         let keep = 1.0 - 1.0 / self.memory_scans.max(1.0);
-        let scans = self.memory_scans * (1.0 - keep.powf(passed));
+        self.memory_scans * (1.0 - keep.powf(passed))
+    }
+
+    fn expect(&self, plot: &Measurement, scan: u32, scans: f64, own: Option<&Measurement>) -> FalsePlots {
         let (mut per_cell, mut mean_excess) = (0.0_f64, 0.0_f64);
         let noise = self.detector.noise_mean_excess();
-        for layer in &self.layers {
-            let (index, cells) = layer.bin(&self.radar, polar);
+        for layer in self.layers.iter().filter(|layer| !layer.bins.is_empty()) {
+            let (index, cells) = layer.bin(&self.radar, &plot.polar);
             let Some(bin) = layer.bins.get(index).filter(|bin| bin.plots > 0.0) else { continue };
             let mut bin = bin.at(scan, self.memory_scans);
             if let Some(own) = own.filter(|own| layer.bin(&self.radar, &own.polar).0 == index) {
@@ -93,12 +109,13 @@ impl ClutterMap {
             let mean = (PRIOR_PLOTS * noise as f32 + bin.excess) / (PRIOR_PLOTS + bin.plots);
             mean_excess = mean_excess.max(f64::from(mean));
         }
-        FalsePlots { density: (self.base + per_cell) / self.cell_volume(polar), mean_excess }
+        FalsePlots { density: (self.base + per_cell) / self.cell_volume(plot), mean_excess }
     }
 
     /// Volume of a resolution cell in the measure of y, m³·m/s or what the radar measures of it.
-    pub fn cell_volume(&self, polar: &[f64; COORDINATES]) -> f64 {
-        self.radar.volume(|i| self.radar.cell[i], polar[0].max(1.0), polar[2].cos().max(1e-3))
+    pub fn cell_volume(&self, plot: &Measurement) -> f64 {
+        let (r, cos_e) = (plot.polar[0].max(1.0), plot.cos_elevation.max(1e-3));
+        self.cells_product * if self.radar.measured[2] { r * r * cos_e } else { r }
     }
 }
 
@@ -192,15 +209,15 @@ mod tests {
                 map.observe(&plot(430.0, 0.05 + 0.1 * f64::from(k), detector.threshold + 10.0), 1.0, scan);
             }
         }
-        let place = plot(430.0, 1.2, 0.0).polar;
-        let here = map.at(&place, 59, None);
+        let place = plot(430.0, 1.2, 0.0);
+        let here = map.in_scan(59)(&place);
         // A ring of one range cell, 628 azimuth cells, one of elevation, two of range rate.
         let expected = 60.0 / (628.3 * 2.0);
         let per_cell = here.density * map.cell_volume(&place);
         assert!(per_cell > 0.8 * expected && per_cell < 3.0 * expected, "{per_cell} {expected}");
         assert!((here.mean_excess - 10.0).abs() < 1.0, "{}", here.mean_excess);
-        let elsewhere = [3000.0, 3.0, 0.1, 60.0];
-        let empty = map.at(&elsewhere, 59, None);
+        let elsewhere = Measurement { polar: [3000.0, 3.0, 0.1, 60.0], ..place };
+        let empty = map.in_scan(59)(&elsewhere);
         assert!((empty.density * map.cell_volume(&elsewhere) - 1e-6).abs() < 1e-12);
         assert!(empty.mean_excess == 0.0);
     }

@@ -25,6 +25,8 @@ pub struct Gate {
     pub drift: [f64; COORDINATES],
     /// h: half widths for a plot of nominal errors.
     pub half: [f64; COORDINATES],
+    /// cos ε*.
+    pub cos_elevation: f64,
     /// α.
     pub alpha: f64,
 }
@@ -37,6 +39,7 @@ impl Gate {
             predicted: expected.variance.map(|row| row.0[lane]),
             drift: expected.drift.map(|row| row.0[lane]),
             half: expected.half.map(|row| row.0[lane]),
+            cos_elevation: expected.cos_elevation.0[lane],
             alpha,
         }
     }
@@ -72,7 +75,7 @@ impl Gate {
 
     /// V of (T11), m³·m/s.
     pub fn volume(&self, radar: &Radar) -> f64 {
-        radar.volume(|i| 2.0 * self.half[i], self.centre[0], self.centre[2].cos())
+        radar.volume(|i| 2.0 * self.half[i], self.centre[0], self.cos_elevation)
     }
 
     /// U of (T20): resolution cells in the gate.

@@ -20,7 +20,7 @@ use crate::filter::gaussian::{Gaussian, at};
 use crate::filter::{
     Densities, Evidence, Expectation, Filter, Group, LANES, Layout, Machine, Mixture, Prior, Row, Update, expect,
 };
-use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
 
 /// Children this far below the best in ln w are dropped.
@@ -214,7 +214,7 @@ impl Hypotheses {
 
     /// One scan of predicted hypotheses. The mixture of all children by component is then in `room`, and `choice` holds every plot in
     /// any gate with the share of children that took it, and the gates of the best hypothesis.
-    pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
+    pub fn update<F: Fn(&Measurement) -> FalsePlots>(
         &mut self,
         means: Means<'_>,
         time_ns: u64,
@@ -255,7 +255,7 @@ impl Hypotheses {
     }
 
     /// Fills `room` with the children of every hypothesis; selection and gates are those of the best one.
-    fn branch<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
+    fn branch<F: Fn(&Measurement) -> FalsePlots>(
         &self,
         means: Means<'_>,
         time_ns: u64,
@@ -269,6 +269,7 @@ impl Hypotheses {
         let layout = *filter.layout();
         children.clear();
         let (mut best, mut evidence, mut alone) = (None, 0.0, 0.0);
+        let own_probability = rules.own_probability(surroundings.radar);
         for first in (0..self.len()).step_by(LANES) {
             let lanes = LANES.min(self.len() - first);
             for lane in 0..lanes {
@@ -287,7 +288,7 @@ impl Hypotheses {
                     choice.gates = gates;
                 }
                 let (weights, gates) = (&weights[..layout.len()], &gates[..layout.len()]);
-                let prospect = Prospect { weights, gates, widest: layout.widest, time_ns };
+                let prospect = Prospect { weights, gates, widest: layout.widest, time_ns, own_probability };
                 let selection = select(&prospect, plots, surroundings, rules, &mut candidates[lane]);
                 for candidate in &candidates[lane] {
                     found.add(lane, &plots[candidate.plot], candidate.offset_s, 1.0);

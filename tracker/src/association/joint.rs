@@ -28,7 +28,7 @@ use crate::association::hypotheses::ln_sum;
 use crate::association::resolution::Place;
 use crate::association::rivals::MOST_NEAR;
 use crate::filter::{Densities, Evidence, Expectation, Group, LANES, Layout, Machine, Prior, expect};
-use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
 
 /// Rivals that are taken into account at once: those that claim most.
@@ -221,7 +221,7 @@ impl Sharing {
         own: &Claimant<'_>,
         rivals: impl Iterator<Item = Claimant<'a>>,
         plots: &[Measurement],
-        clutter: impl Fn(&[f64; COORDINATES]) -> FalsePlots,
+        clutter: impl Fn(&Measurement) -> FalsePlots,
         radar: &Radar,
     ) -> Shared<'_> {
         self.shares.clear();
@@ -261,12 +261,12 @@ impl Sharing {
         &mut self,
         claimants: &[Claimant<'_>],
         plots: &[Measurement],
-        clutter: &impl Fn(&[f64; COORDINATES]) -> FalsePlots,
+        clutter: &impl Fn(&Measurement) -> FalsePlots,
         radar: &Radar,
     ) -> f64 {
         let Self { views, offers, wanted, claims, .. } = self;
         let offer = |lane: usize, (m, plot): (usize, &Measurement)| {
-            claimants[lane].offer(views.ln_density(m, lane), plot, clutter(&plot.polar))
+            claimants[lane].offer(views.ln_density(m, lane), plot, clutter(plot))
         };
         offers.clear();
         offers.extend(plots.iter().enumerate().map(|plot| offer(0, plot)));
@@ -313,7 +313,7 @@ impl Sharing {
         &mut self,
         tau: &Claimant<'_>,
         plots: &[Measurement],
-        clutter: &impl Fn(&[f64; COORDINATES]) -> FalsePlots,
+        clutter: &impl Fn(&Measurement) -> FalsePlots,
         radar: &Radar,
     ) -> f64 {
         let Self { views, wanted, claims, events, shares, common, .. } = self;
@@ -341,7 +341,7 @@ impl Sharing {
                 }
                 let measurement = own.place.of_common(&claim.place, &plots[plot], radar);
                 views.look(std::slice::from_ref(tau), std::slice::from_ref(&measurement));
-                let offer = tau.offer(views.ln_density(0, 0), &measurement, clutter(&measurement.polar));
+                let offer = tau.offer(views.ln_density(0, 0), &measurement, clutter(&measurement));
                 let share = (ln_weight - offer.ln_ratio - ln_none).exp();
                 if share > 0.0 && share.is_finite() {
                     common.push(Common { plot, measurement, share });

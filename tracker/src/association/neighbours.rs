@@ -1,7 +1,7 @@
-//! Who is near a place: squares over east and north, as wide as what counts as near.
+//! Tracks near a position, by a spatial index: squares over east and north, twice as wide as what counts as near.
 //!
-//! Whoever is near lies in the square of the place or in one of the eight around it. Squares are hashed; those who share a bucket form a
-//! chain. Somebody who moves is taken out of one chain and put into another, so nobody else is looked at, and to ask costs nine buckets
+//! What is near lies in one of four squares about the nearest corner. Squares are hashed; those that share a bucket form a
+//! chain. A track that moves is taken out of one chain and put into another, so no other is looked at, and a question costs four buckets
 //! and what is returned. Nothing is allocated once it has grown.
 
 /// The end of a chain.
@@ -47,7 +47,7 @@ impl Neighbours {
 
     /// Puts `label` to a position (m, east and north first), wherever it was before.
     pub fn put(&mut self, label: u32, position: [f64; 3]) {
-        let square = square(position, self.reach_m);
+        let square = square(position, 2.0 * self.reach_m);
         let index = label as usize;
         if index >= self.places.len() {
             self.places.resize(index + 1, Place::FREE);
@@ -85,10 +85,11 @@ impl Neighbours {
 
     /// Labels of all that are near `position`, and of some that are not, in no order.
     pub fn near(&self, position: [f64; 3]) -> impl Iterator<Item = u32> {
-        let [east, north] = square(position, self.reach_m);
-        let steps = if self.count == 0 { 0 } else { 9 };
+        // The square whose corner is nearest: it and the three after it hold all that is near.
+        let [east, north] = square(position.map(|along| along - self.reach_m), 2.0 * self.reach_m);
+        let steps = if self.count == 0 { 0 } else { 4 };
         (0..steps).flat_map(move |step| {
-            let square = [east.saturating_add(step / 3 - 1), north.saturating_add(step % 3 - 1)];
+            let square = [east.saturating_add(step / 2), north.saturating_add(step % 2)];
             let mut label = self.buckets[self.bucket(square)];
             std::iter::from_fn(move || {
                 while label != END {
@@ -173,7 +174,7 @@ mod tests {
                 let apart = [0, 1].map(|axis: usize| (place[axis] - position[axis]).abs());
                 prop_assert!(times <= 1);
                 prop_assert!(times == 1 || apart[0].hypot(apart[1]) >= reach_m);
-                prop_assert!(times == 0 || apart.iter().all(|apart| *apart <= 2.0 * reach_m));
+                prop_assert!(times == 0 || apart.iter().all(|apart| *apart <= 3.0 * reach_m));
             }
         }
     }

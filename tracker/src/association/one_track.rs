@@ -4,7 +4,7 @@ use crate::association::gate::Gate;
 use crate::association::scan::{Member, Outcome, Scan};
 use crate::association::{FalsePlots, Rules};
 use crate::filter::{Expectation, Filter, Group, Machine, Mixture, Row, TwoPlots, expect};
-use crate::plots::measurement::COORDINATES;
+use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
 
 /// A state, its filter and a scan.
@@ -74,7 +74,7 @@ impl OneTrack {
     }
 
     /// Updates a prediction by one scan.
-    pub fn update<F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
+    pub fn update<F: Fn(&Measurement) -> FalsePlots>(
         &mut self,
         member: Member<'_, F>,
         radar: &Radar,

@@ -79,7 +79,7 @@ impl Place {
                 ln_density -= 0.5 * (from_middle * from_middle / variance + (std::f64::consts::TAU * variance).ln());
             }
         }
-        ln_density - radar.volume(|_| 1.0, plot.polar[0], plot.polar[2].cos().max(1e-3)).ln()
+        ln_density - radar.volume(|_| 1.0, plot.polar[0], plot.cos_elevation.max(1e-3)).ln()
     }
 
     /// (J4): what a plot of two targets says of this one.
@@ -95,6 +95,7 @@ impl Place {
         }
         alone.polar[0] = alone.polar[0].max(1.0);
         let [range_m, azimuth_rad, elevation_rad, _] = alone.polar;
+        alone.cos_elevation = elevation_rad.cos();
         alone.position = Polar { range_m, azimuth_rad, elevation_rad }.to_enu().into();
         alone
     }

@@ -12,7 +12,7 @@ use common::units::seconds_between;
 use crate::association::gate::Gate;
 use crate::association::{Candidate, FalsePlots, Prospect, Rules, Selection, Surroundings, select, weigh};
 use crate::filter::{Evidence, Expectation, Filter, Group, LANES, Layout, Machine, Prior, Update, expect};
-use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
 
 /// A track that the beam has passed.
@@ -112,7 +112,7 @@ impl Scan {
     /// Updates the predictions in the first lanes, one of each member.
     ///
     /// Without a plot in the gate the prediction is kept and only W_j changes. The same holds for a component whose D is not positive definite.
-    pub fn update<'a, F: Fn(&[f64; COORDINATES]) -> FalsePlots>(
+    pub fn update<'a, F: Fn(&Measurement) -> FalsePlots>(
         &mut self,
         filter: &dyn Filter,
         machine: Machine,
@@ -124,6 +124,7 @@ impl Scan {
         let Self { prediction, update, choices, outcomes, expected, evidence } = self;
         let (layout, lanes) = (*filter.layout(), members.len());
         let (components, decides) = (layout.len(), rules.association.decides());
+        let own_probability = rules.own_probability(radar);
         expect(machine, lanes, radar, rules.alpha, prediction, expected);
         evidence.clear(components);
         outcomes.clear();
@@ -136,7 +137,7 @@ impl Scan {
                 gates[j] = Gate::new(&expected[j], lane, rules.alpha);
             }
             let (weights, gates) = (&weights[..components], &gates[..components]);
-            let prospect = Prospect { weights, gates, widest: layout.widest, time_ns };
+            let prospect = Prospect { weights, gates, widest: layout.widest, time_ns, own_probability };
             let selection = select(&prospect, plots, &surroundings, rules, candidates);
             let plots_in_gate = candidates.len();
             weigh(&selection, &surroundings, plots, rules, candidates);

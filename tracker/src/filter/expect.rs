@@ -33,6 +33,8 @@ pub struct Expectation {
     pub drift: [Row; COORDINATES],
     /// h, half widths of the gate for a plot of nominal errors.
     pub half: [Row; COORDINATES],
+    /// cos ε.
+    pub cos_elevation: Row,
     /// e_r.
     pub radial: [Row; 3],
     /// g_p: ∂ṙ/∂position, 1/s.
@@ -184,6 +186,7 @@ fn expect_component<S: Simd, const N: usize, const P: usize>(
     for i in 0..2 {
         lanes.put(&mut out.along_azimuth[i], along_azimuth[i]);
     }
+    lanes.put(&mut out.cos_elevation, cos_e);
     lanes.put(&mut out.square[0], across * across);
     lanes.put(&mut out.square[1], rho * rho);
 }

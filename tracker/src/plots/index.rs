@@ -6,10 +6,10 @@
 //!  bins  │  ├───┼───┼───┤      what a window touches of one azimuth bin is one slice of them
 //!        ▼  └───┴───┴───┘
 //! ```
-//! About as many cells as plots, so building is linear in the plots, and a query costs the entries of the cells that it
+//! The grid spans the azimuths and ranges at which there are plots. About as many cells as plots, so building is linear in the plots, and a query costs the entries of the cells that it
 //! touches. Those are looked at one after the other without a branch, and the plots themselves are not. The buffers are kept: nothing is allocated once they have grown.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use common::angle;
 
@@ -41,7 +41,7 @@ impl Window {
 /// Where a plot lies.
 #[derive(Debug, Clone, Copy, Default)]
 struct Entry {
-    /// Its azimuth bin; once the extent of the ranges is known, its cell; sorted, which plot it is.
+    /// Its cell; sorted, which plot it is.
     number: u32,
     range_m: f32,
     /// NaN if not measured.
@@ -54,9 +54,14 @@ pub struct PlotIndex {
     /// Bins of azimuth, and of range.
     bins: [usize; 2],
     nearest_m: f32,
+    /// The azimuth from which plots' offsets are counted, and their smallest and largest offset.
+    middle_rad: f64,
+    offsets_rad: [f64; 2],
     /// Bins per rad, and per m.
     per_rad: f64,
     per_m: f32,
+    /// Azimuths of the plots, as offsets.
+    rows_rad: Vec<f64>,
     /// Where each cell starts in `sorted`; one more than there are cells.
     starts: Vec<u32>,
     /// Plots by cell, and by their own order within it.
@@ -70,24 +75,30 @@ impl PlotIndex {
     pub fn build<'a>(&mut self, plots: impl ExactSizeIterator<Item = &'a Measurement>) {
         let side = ((plots.len() as f64).sqrt().ceil() as usize).clamp(1, MOST_BINS);
         self.bins = [side; 2];
-        let per_rad = side as f64 / TAU;
-        self.per_rad = per_rad;
         let (mut nearest, mut farthest) = (f32::INFINITY, 0.0_f32);
+        let mut offsets = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut middle = None;
+        self.rows_rad.clear();
         self.entries.clear();
         self.entries.extend(plots.map(|plot| {
             let range_m = plot.polar[0] as f32;
             (nearest, farthest) = (nearest.min(range_m), farthest.max(range_m));
-            let row = ((angle::wrap(plot.polar[1]) * per_rad) as usize).min(side - 1);
+            let offset = angle::difference(plot.polar[1], *middle.get_or_insert(plot.polar[1]));
+            offsets = [offsets[0].min(offset), offsets[1].max(offset)];
+            self.rows_rad.push(offset);
             let elevation_rad = if plot.measured[2] { plot.polar[2] as f32 } else { f32::NAN };
-            Entry { number: row as u32, range_m, elevation_rad }
+            Entry { number: 0, range_m, elevation_rad }
         }));
+        self.middle_rad = middle.unwrap_or(0.0);
+        self.offsets_rad = offsets;
+        self.per_rad = side as f64 / (offsets[1] - offsets[0]).max(MARGIN);
         self.nearest_m = nearest;
         self.per_m = side as f32 / (farthest - nearest).max(1.0);
         self.starts.clear();
         self.starts.resize(side * side + 1, 0);
         for plot in 0..self.entries.len() {
-            let Entry { number: row, range_m, .. } = self.entries[plot];
-            let cell = row as usize * side + self.range_bin(range_m);
+            let row = self.azimuth_bin(self.rows_rad[plot]);
+            let cell = row * side + self.range_bin(self.entries[plot].range_m);
             self.entries[plot].number = cell as u32;
             self.starts[cell] += 1;
         }
@@ -110,6 +121,7 @@ impl PlotIndex {
     pub fn reserve(&mut self, plots: usize) {
         let cells = (plots as f64).sqrt().ceil() as usize;
         self.entries.reserve(plots.saturating_sub(self.entries.len()));
+        self.rows_rad.reserve(plots.saturating_sub(self.rows_rad.len()));
         self.sorted.reserve(plots.saturating_sub(self.sorted.len()));
         self.starts.reserve((cells * cells + 1).saturating_sub(self.starts.len()));
     }
@@ -125,22 +137,14 @@ impl PlotIndex {
         if !(from_m <= to_m && half >= 0.0 && window.azimuth_rad.is_finite()) || self.sorted.is_empty() {
             return;
         }
-        let [rows, columns] = self.bins;
-        let (first, count) = if half >= PI {
-            (0, rows)
-        } else {
-            // A turn ahead, so that the window's left end is not below zero and truncation is the floor.
-            let first = ((window.azimuth_rad - half + TAU) * self.per_rad) as usize;
-            let last = ((window.azimuth_rad + half + TAU) * self.per_rad) as usize;
-            (first % rows, (last - first + 1).min(rows))
-        };
+        let columns = self.bins[1];
+        let [first, last] = self.rows_about(angle::difference(window.azimuth_rad, self.middle_rad), half);
         // Rounding is monotonous, so no plot leaves its window.
         let [from_m, to_m] = [(from_m - MARGIN) as f32, (to_m + MARGIN) as f32];
         let [lowest, highest] = window.elevation_rad.map(|end| end as f32);
         let (nearest, farthest) = (self.range_bin(from_m), self.range_bin(to_m));
         let mut used = 0;
-        for step in 0..count {
-            let row = if first + step < rows { first + step } else { first + step - rows };
+        for row in first..last {
             let cell = row * columns;
             let entries = &self.sorted[self.starts[cell + nearest] as usize..self.starts[cell + farthest + 1] as usize];
             found.resize(used + entries.len(), 0);
@@ -154,6 +158,27 @@ impl PlotIndex {
             }
         }
         found.truncate(used);
+    }
+
+    /// The azimuth bins, from the first to before the last, that lie within `half` of an offset, rad.
+    fn rows_about(&self, offset: f64, half: f64) -> [usize; 2] {
+        let [from, to] = self.offsets_rad;
+        let mut found = [0; 2];
+        let mut ways = 0;
+        // A window across the point opposite the middle may hold plots on either side of it.
+        for turn in [-TAU, 0.0, TAU] {
+            let (low, high) = (offset + turn - half, offset + turn + half);
+            if low <= to && high >= from {
+                found = [self.azimuth_bin(low), self.azimuth_bin(high) + 1];
+                ways += 1;
+            }
+        }
+        if ways > 1 { [0, self.bins[0]] } else { found }
+    }
+
+    /// Offsets beyond the ends fall into the last bins.
+    fn azimuth_bin(&self, offset_rad: f64) -> usize {
+        (((offset_rad - self.offsets_rad[0]) * self.per_rad) as usize).min(self.bins[0].saturating_sub(1))
     }
 
     /// Ranges beyond the ends fall into the last bins.

@@ -33,6 +33,8 @@ pub struct Measurement {
     pub position: [f64; 3],
     /// (r, β, ε, ṙ); m, rad, m/s.
     pub polar: [f64; COORDINATES],
+    /// cos ε.
+    pub cos_elevation: f64,
     /// σ² of (r, β, ε, ṙ).
     pub variance: [f64; COORDINATES],
     /// q = z², the power statistic; 0 if not measured.
@@ -51,6 +53,7 @@ impl Measurement {
             time_ns: 0,
             position: [0.0; 3],
             polar: [range_m, azimuth_rad, 0.0, 0.0],
+            cos_elevation: 1.0,
             variance: [1.0; COORDINATES],
             power: 0.0,
             measured: [true; COORDINATES],
@@ -87,6 +90,7 @@ impl Measurement {
             time_ns: plot.time_ns,
             position: place.to_enu().into(),
             polar,
+            cos_elevation: elevation_rad.cos(),
             variance,
             power: if has_power { f64::from(plot.statistic) * f64::from(plot.statistic) } else { 0.0 },
             measured,

@@ -32,6 +32,8 @@ pub struct Entry {
 /// The plots.
 #[derive(Debug, Default)]
 pub struct PlotStore {
+    /// Angles of the entries: what is searched.
+    angles_rad: Vec<f64>,
     entries: Vec<Entry>,
     measurements: Vec<Measurement>,
     /// Entries that have been settled (see [`PlotStore::settle`]).
@@ -45,6 +47,7 @@ pub struct PlotStore {
 impl PlotStore {
     /// Forgets everything.
     pub fn clear(&mut self) {
+        self.angles_rad.clear();
         self.entries.clear();
         self.measurements.clear();
         self.settled = 0;
@@ -61,6 +64,7 @@ impl PlotStore {
     /// Adds a plot behind all others. [`PlotStore::sort`] must follow the last plot of a message.
     pub fn push(&mut self, entry: Entry, measurement: Measurement) {
         self.disordered |= self.entries.last().is_some_and(|last| by_angle(&entry, last).is_lt());
+        self.angles_rad.push(entry.angle_rad);
         self.entries.push(entry);
         self.measurements.push(measurement);
     }
@@ -70,8 +74,8 @@ impl PlotStore {
         if !std::mem::take(&mut self.disordered) {
             return;
         }
-        let Self { entries, measurements, order, .. } = self;
-        let unsettled = self.settled..entries.len();
+        let Self { angles_rad, entries, measurements, settled, order, .. } = self;
+        let unsettled = *settled..entries.len();
         order.clear();
         order.extend(unsettled.clone());
         // Stable by its last key; a stable sort would allocate.
@@ -82,13 +86,16 @@ impl PlotStore {
         }
         entries.drain(unsettled.clone());
         measurements.drain(unsettled);
+        angles_rad.truncate(*settled);
+        angles_rad.extend(entries[*settled..].iter().map(|entry| entry.angle_rad));
     }
 
     /// Drops plots that no track or start can still ask for. Moves the rest only when much is to be dropped.
     pub fn drop_before(&mut self, covered_to_rad: f64) {
         let oldest = covered_to_rad - KEPT_TURNS * TAU;
-        let gone = self.entries.partition_point(|entry| entry.angle_rad < oldest).min(self.settled);
+        let gone = self.angles_rad.partition_point(|angle_rad| *angle_rad < oldest).min(self.settled);
         if gone > 64 && gone * 3 > self.entries.len() {
+            self.angles_rad.drain(..gone);
             self.entries.drain(..gone);
             self.measurements.drain(..gone);
             self.settled -= gone;
@@ -97,9 +104,14 @@ impl PlotStore {
 
     /// Indices of the plots from one angle to another.
     pub fn between(&self, from_rad: f64, to_rad: f64) -> Range<usize> {
-        let from = self.entries.partition_point(|entry| entry.angle_rad < from_rad);
-        let to = self.entries.partition_point(|entry| entry.angle_rad <= to_rad);
+        let from = self.angles_rad.partition_point(|angle_rad| *angle_rad < from_rad);
+        let to = self.angles_rad.partition_point(|angle_rad| *angle_rad <= to_rad);
         from..to.max(from)
+    }
+
+    /// Measurement at an index.
+    pub fn measurement(&self, index: usize) -> &Measurement {
+        &self.measurements[index]
     }
 
     /// Measurements of a range of indices.
@@ -120,7 +132,7 @@ impl PlotStore {
     /// The plots before `angle_rad`, about which all tracks have had their say; each is returned once.
     pub fn settle(&mut self, angle_rad: f64) -> Range<usize> {
         let first = self.settled;
-        self.settled += self.entries[first..].partition_point(|entry| entry.angle_rad < angle_rad);
+        self.settled += self.angles_rad[first..].partition_point(|angle| *angle < angle_rad);
         first..self.settled
     }
 }

@@ -16,7 +16,7 @@ use crate::environment::Environment;
 use crate::filter::{Layout, Mixture, TwoPlots};
 use crate::plots::index::{PlotIndex, Window};
 use crate::plots::measurement::Measurement;
-use crate::plots::store::{Entry, PlotStore};
+use crate::plots::store::PlotStore;
 use crate::tracks::amplitude::Amplitude;
 use crate::tracks::handle::Handle;
 use crate::tracks::initiation::PairLimits;
@@ -32,15 +32,11 @@ impl Tracker {
         let claimed_from = agenda.claimed_from(covered_rad, begins);
         let settled = self.plots.settle(claimed_from);
         self.births.index_earlier(&self.plots, settled.clone(), &self.limits, self.sweep.period_s());
-        for index in settled {
-            let entry = *self.plots.entry(index);
-            let last = self.plots.measurements(index..index + 1)[0];
+        for (nth, index) in settled.enumerate() {
+            let entry = self.plots.entry(index);
             let turn = (entry.angle_rad / TAU).max(0.0) as u32;
-            let mut claimed = entry.claimed;
-            if entry.explained <= EXPLAINED
-                && entry.owner.is_none()
-                && let Some(handle) = self.start(&last, &entry, turn, environment)
-            {
+            let (mut claimed, is_open) = (entry.claimed, entry.explained <= EXPLAINED && entry.owner.is_none());
+            if is_open && let Some(handle) = self.start(index, nth, turn, environment) {
                 let (place, track) = (handle.place as usize, &self.tracks[handle.place as usize]);
                 claimed = claimed.max(track.life.existence);
                 self.confirmed += u32::from(track.life.is_confirmed());
@@ -48,25 +44,27 @@ impl Tracker {
                 self.forecast.tell(environment, &self.tracks, place, messages);
                 self.plots.entry_mut(index).owner = Some(handle);
             }
-            environment.clutter.observe(&last, 1.0 - claimed, turn);
+            environment.clutter.observe(self.plots.measurement(index), 1.0 - claimed, turn);
         }
     }
 
-    /// A tentative track that ends at the plot `last`, if there is a plot of the turn before to begin it.
-    fn start(&mut self, last: &Measurement, entry: &Entry, turn: u32, environment: &Environment) -> Option<Handle> {
-        let (previous, step_s) = self.partner(last, entry.angle_rad)?;
-        let existence = environment.start_existence(&previous, last, step_s, turn, &self.limits, &self.config);
+    /// A tentative track that ends at the stored plot `index`, the `nth` of those settled, if there is a plot of the turn before to begin it.
+    fn start(&mut self, index: usize, nth: usize, turn: u32, environment: &Environment) -> Option<Handle> {
+        let (previous, step_s) = self.partner(index, nth)?;
+        let (entry, last) = (*self.plots.entry(index), self.plots.measurement(index));
+        let previous = self.plots.measurement(previous);
+        let existence = environment.start_existence(previous, last, step_s, turn, &self.limits, &self.config);
         if existence < LEAST_EXISTENCE {
             return None;
         }
         let Self { births: Births { state, .. }, tracks, .. } = self;
-        environment.filter.start(&TwoPlots { previous: &previous, last, step_s }, state);
+        environment.filter.start(&TwoPlots { previous, last, step_s }, state);
         let mixture = Mixture::new(environment.filter.layout(), state);
         if !mixture.is_sound() {
             return None;
         }
         let mut amplitude = Amplitude::prior(&self.config, &environment.detector);
-        for plot in [&previous, last].into_iter().filter(|plot| plot.has_power) {
+        for plot in [previous, last].into_iter().filter(|plot| plot.has_power) {
             amplitude.learn(plot.power, 1.0, environment.detector.threshold);
         }
         let hypotheses = Hypotheses::most(&self.config).map(|most| tracks.hypotheses(state, most));
@@ -109,14 +107,15 @@ impl Tracker {
     }
 
     /// The best plot of the turn before for a start, and the time between the two.
-    fn partner(&mut self, last: &Measurement, angle_rad: f64) -> Option<(Measurement, f64)> {
+    fn partner(&mut self, index: usize, nth: usize) -> Option<(usize, f64)> {
         let Self { births, plots, limits, sweep, .. } = self;
+        let (last, angle_rad) = (plots.measurement(index), plots.entry(index).angle_rad);
         let period_s = sweep.period_s();
-        let half_azimuth_rad = limits.azimuth_rad(last, STEP_TURNS[1] * period_s);
+        let half_azimuth_rad = births.half_azimuths_rad[nth];
         let mut best: Option<(f64, usize, f64)> = None;
         births.find_earlier(last, half_azimuth_rad, limits, period_s);
         for index in births.found() {
-            let (previous, entry) = (&plots.measurements(index..index + 1)[0], plots.entry(index));
+            let (previous, entry) = (plots.measurement(index), plots.entry(index));
             let step_s = seconds_between(previous.time_ns, last.time_ns);
             if step_s < STEP_TURNS[0] * period_s || (entry.angle_rad - angle_rad + TAU).abs() > half_azimuth_rad {
                 continue;
@@ -127,7 +126,7 @@ impl Tracker {
                 best = Some((misfit, index, step_s));
             }
         }
-        best.map(|(_, index, step_s)| (plots.measurements(index..index + 1)[0], step_s))
+        best.map(|(_, index, step_s)| (index, step_s))
     }
 }
 
@@ -135,10 +134,12 @@ impl Tracker {
 #[derive(Debug)]
 pub(super) struct Births {
     index: PlotIndex,
+    /// Half widths in azimuth of where the partner of each settled plot may lie.
+    half_azimuths_rad: Vec<f64>,
     /// Stored plots of the index: those that no confirmed track explains.
     open: Vec<u32>,
-    /// Largest variance of range.
-    variance: f64,
+    /// Largest variances of range, and of position across the line of sight.
+    variance: [f64; 2],
     /// What was found last, of the index.
     found: Vec<u32>,
     /// The state of a track that starts.
@@ -149,8 +150,9 @@ impl Births {
     pub(super) fn new(layout: &Layout) -> Self {
         Self {
             index: PlotIndex::default(),
+            half_azimuths_rad: Vec::new(),
             open: Vec::new(),
-            variance: 0.0,
+            variance: [0.0; 2],
             found: Vec::new(),
             state: vec![0.0; layout.words()],
         }
@@ -158,9 +160,11 @@ impl Births {
 
     fn index_earlier(&mut self, plots: &PlotStore, settled: Range<usize>, limits: &PairLimits, period_s: f64) {
         let mut angles_rad = [f64::INFINITY, f64::NEG_INFINITY];
+        self.half_azimuths_rad.clear();
         for (index, last) in settled.clone().zip(plots.measurements(settled)) {
             let (angle_rad, reach_rad) =
                 (plots.entry(index).angle_rad - TAU, limits.azimuth_rad(last, STEP_TURNS[1] * period_s));
+            self.half_azimuths_rad.push(reach_rad);
             angles_rad = [angles_rad[0].min(angle_rad - reach_rad), angles_rad[1].max(angle_rad + reach_rad)];
         }
         let range = plots.between(angles_rad[0], angles_rad[1]);
@@ -169,16 +173,20 @@ impl Births {
         self.open.reserve(range.len());
         self.index.reserve(range.len());
         self.open.extend(range.filter(|&plot| plots.entry(plot).explained <= EXPLAINED).map(|plot| plot as u32));
-        self.variance = 0.0;
-        let variance = &mut self.variance;
-        let open = self.open.iter().map(|&plot| &plots.measurements(plot as usize..plot as usize + 1)[0]);
-        self.index.build(open.inspect(|plot| *variance = variance.max(plot.variance[0])));
+        self.variance = [0.0; 2];
+        let [along, across] = &mut self.variance;
+        let open = self.open.iter().map(|&plot| plots.measurement(plot as usize));
+        self.index.build(open.inspect(|plot| {
+            *along = along.max(plot.variance[0]);
+            *across = across.max(PairLimits::variance_across(plot));
+        }));
     }
 
     /// Finds the plots in reach of `last`, and some beyond it.
     fn find_earlier(&mut self, last: &Measurement, half_azimuth_rad: f64, limits: &PairLimits, period_s: f64) {
-        let range_m = limits.range_m(last, STEP_TURNS[1] * period_s, self.variance);
-        let (azimuth_rad, elevation_rad) = (angle::wrap(last.polar[1]), Window::ANY_ELEVATION);
+        let range_m = limits.range_m(last, STEP_TURNS[1] * period_s, self.variance[0]);
+        let azimuth_rad = angle::wrap(last.polar[1]);
+        let elevation_rad = limits.elevation_rad(last, STEP_TURNS[1] * period_s, self.variance);
         self.index.find(&Window { azimuth_rad, half_azimuth_rad, range_m, elevation_rad }, &mut self.found);
     }
 

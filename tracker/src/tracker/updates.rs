@@ -21,7 +21,7 @@ use crate::constants::{APART, EXPLAINED, MISS_WEIGHT, TIMING_S};
 use crate::environment::Environment;
 use crate::filter::{LANES, Layout, Machine, Moments};
 use crate::plots::index::{PlotIndex, Window};
-use crate::plots::measurement::{COORDINATES, Measurement};
+use crate::plots::measurement::Measurement;
 use crate::tracks::handle::Handle;
 use crate::tracks::message;
 use crate::tracks::states::Of;
@@ -241,9 +241,13 @@ impl Tracker {
                 let explained =
                     !track.life.is_confirmed() && config.joint_association && plots.entry(plot).explained > EXPLAINED;
                 let share = if explained { LEAST_SHARE } else { 1.0 };
-                offered.push(plots.measurements(plot..plot + 1)[0], share, plot);
+                offered.push(*plots.measurement(plot), share, plot);
             }
             pending.common = offered.measurements.len();
+            pending.offered = first..offered.measurements.len();
+            if rivals.clone().next().is_none() {
+                continue;
+            }
             let states = &tracks.states;
             let own = states.prediction_words(pending.place, Of::NextScan);
             let own = environment.claimant(config, track, own, track.next.time_ns);
@@ -251,7 +255,7 @@ impl Tracker {
                 let prediction = states.prediction_words(place, of);
                 environment.claimant(config, rival, prediction, rival.opportunity(of).time_ns)
             });
-            let clutter = |polar: &[f64; COORDINATES]| environment.clutter.at(polar, pending.turn, None);
+            let clutter = environment.clutter.in_scan(pending.turn);
             let shared = sharing.share(&own, rivals, &offered.measurements[first..], clutter, &environment.radar);
             for (share, &other) in offered.shares[first..].iter_mut().zip(shared.shares) {
                 *share = share.min(other);
@@ -370,7 +374,7 @@ impl Tracker {
             match shares.iter_mut().find(|share| is_common && share.plot == plot) {
                 Some(share) => share.weight += weight,
                 None if is_common => {
-                    let gates = choice.gates_about(&plots.measurements(plot..plot + 1)[0], track.time_ns);
+                    let gates = choice.gates_about(plots.measurement(plot), track.time_ns);
                     shares.push(PlotShare { plot, weight, gates });
                 }
                 None => shares.push(PlotShare { plot, weight, gates: candidate.gates }),

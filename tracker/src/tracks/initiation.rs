@@ -7,6 +7,7 @@
 //! |(r_k − r_(k−1))/T − (ṙ_k + ṙ_(k−1))/2| ≤ 3σ,   |ṙ_k − ṙ_(k−1)| ≤ 3σ
 //! ```
 
+use crate::plots::index::Window;
 use crate::plots::measurement::{COORDINATES, Measurement};
 use crate::plots::radar::Radar;
 
@@ -25,7 +26,7 @@ pub struct PairLimits {
 impl PairLimits {
     /// Half width in azimuth in which the earlier plot must lie, rad; at most a quarter turn.
     pub fn azimuth_rad(&self, last: &Measurement, step_s: f64) -> f64 {
-        let ground = last.polar[0] * last.polar[2].cos();
+        let ground = last.polar[0] * last.cos_elevation;
         let across = self.speed_mps * step_s / ground;
         let angle = if across < 1.0 { across.asin() } else { std::f64::consts::FRAC_PI_2 };
         (angle + 2.0 * REACH * last.variance[1].sqrt()).min(std::f64::consts::FRAC_PI_2)
@@ -35,6 +36,23 @@ impl PairLimits {
     pub fn range_m(&self, last: &Measurement, step_s: f64, variance: f64) -> [f64; 2] {
         let reach_m = self.speed_mps * step_s + REACH * (last.variance[0] + variance).sqrt();
         [last.polar[0] - reach_m, last.polar[0] + reach_m]
+    }
+
+    /// Variance of a plot's position across the line of sight, m².
+    pub fn variance_across(plot: &Measurement) -> f64 {
+        plot.polar[0] * plot.polar[0] * (plot.variance[1] + plot.variance[2])
+    }
+
+    /// Ends of the interval of elevation in which the earlier plot must lie if its variances along and across the line of sight are at most
+    /// `variance`, rad: what lies at most a distance d away is seen within arcsin(d/r).
+    pub fn elevation_rad(&self, last: &Measurement, step_s: f64, variance: [f64; 2]) -> [f64; 2] {
+        let spread = last.variance[0] + variance[0] + Self::variance_across(last) + variance[1];
+        let sine = (self.speed_mps * step_s + REACH * spread.sqrt()) / last.polar[0];
+        if !last.measured[2] || sine >= 1.0 {
+            return Window::ANY_ELEVATION;
+        }
+        let half = sine.asin();
+        [last.polar[2] - half, last.polar[2] + half]
     }
 
     /// Resolution cells in which the earlier plot of a pair may lie: a box of the reach in each coordinate.
@@ -72,8 +90,7 @@ impl PairLimits {
             square += (last.position[axis] - previous.position[axis]).powi(2);
         }
         let distance = square.sqrt();
-        let across = |plot: &Measurement| plot.polar[0] * plot.polar[0] * (plot.variance[1] + plot.variance[2]);
-        let spread = (range_variance + across(last) + across(previous)).sqrt();
+        let spread = (range_variance + Self::variance_across(last) + Self::variance_across(previous)).sqrt();
         (distance <= travel_m + REACH * spread).then(|| misfit + (distance / (travel_m + spread)).powi(2))
     }
 }

@@ -42,7 +42,7 @@ impl LastScan {
         weight_none: 1.0,
         weight_best: 0.0,
         best_plot: (0, u32::MAX),
-        used: [UsedPlot { seq: 0, index: 0, weight: 0.0, gates: 0, reserved: 0 }; USED_PLOTS],
+        used: [UsedPlot::NONE; USED_PLOTS],
     };
 
     /// Of what a scan did to a track, before its plots are added.

@@ -52,6 +52,7 @@ pub(crate) fn measurement(polar: [f64; COORDINATES], scale: f64, measured: [bool
         time_ns: 0,
         position: place.to_enu().into(),
         polar,
+        cos_elevation: polar[2].cos(),
         variance: std::array::from_fn(|i| if measured[i] { (SIGMA[i] * scale).powi(2) } else { 0.0 }),
         power: 20.0,
         measured,

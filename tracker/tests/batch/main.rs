@@ -181,8 +181,7 @@ fn a_pass_is_the_plain_code() {
                 for j in 0..MODES {
                     // 10⁻¹², or what the exponent's size and the condition of D leave of sixteen digits.
                     let tolerance = |growth: f64| TOLERANCE.max(ROUNDINGS * f64::EPSILON * growth);
-                    let within =
-                        |a: f64, b: f64, tolerance: f64| (a - b).abs() <= tolerance * b.abs() + LEAST_DENSITY;
+                    let within = |a: f64, b: f64, tolerance: f64| (a - b).abs() <= tolerance * b.abs() + LEAST_DENSITY;
                     let of_sum: f64 = posterior
                         .plots
                         .iter()

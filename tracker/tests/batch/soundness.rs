@@ -123,7 +123,7 @@ fn the_covariance_after_one_certain_plot_does_not_depend_on_its_place() {
             posteriors.push(state_of(&group.update.posterior, 0));
         }
         let rules = Rules { association: Association::Nearest, alpha: 1e3, ..Rules::new(&TrackerConfig::default()) };
-        let clutter = |_: &[f64; COORDINATES]| FalsePlots { density: 1e-9, mean_excess: 1.0 };
+        let clutter = |_: &Measurement| FalsePlots { density: 1e-9, mean_excess: 1.0 };
         let surroundings =
             Surroundings { radar: &radar, detection_probability: 0.9, target: None, shares: &[], clutter };
         let mut scan = Scan::new(filter.layout());

@@ -47,7 +47,14 @@ pub(crate) fn gates(expected: &[Expected; MODES], radar: &Radar, alpha: f64) -> 
             std::array::from_fn(|i| alpha * (expected.polar_variance[i] + radar.variance[i]).sqrt());
         half[1] = half[1].min(FRAC_PI_2);
         half[2] = half[2].min(FRAC_PI_2);
-        Gate { centre: expected.polar(), predicted: expected.polar_variance, drift: expected.drift(), half, alpha }
+        Gate {
+            centre: expected.polar(),
+            predicted: expected.polar_variance,
+            drift: expected.drift(),
+            half,
+            cos_elevation: expected.frame.cos_elevation,
+            alpha,
+        }
     })
 }
 
