@@ -116,8 +116,15 @@ impl Detector {
     }
 
     fn target_of(&self, swerling: Swerling, snr: [f64; SNR_POINTS], points: usize) -> TargetStatistics {
-        let mut target =
-            TargetStatistics { detector: *self, swerling, snr, points, detection_probability: 1.0, ln_scale: 0.0 };
+        let mut target = TargetStatistics {
+            detector: *self,
+            swerling,
+            snr,
+            points,
+            detection_probability: 1.0,
+            ln_scale: 0.0,
+            ln_mean: snr.map(f64::ln_1p),
+        };
         target.detection_probability = target.survival(self.threshold).clamp(f64::MIN_POSITIVE, 1.0);
         target.ln_scale = self.pfa.ln() - target.detection_probability.ln();
         target
@@ -174,6 +181,8 @@ pub struct TargetStatistics {
     pub detection_probability: f64,
     /// ln(F/D).
     ln_scale: f64,
+    /// ln (1 + S), by point.
+    ln_mean: [f64; SNR_POINTS],
 }
 
 impl TargetStatistics {
@@ -209,18 +218,19 @@ impl TargetStatistics {
     /// ln ℓ(q), ℓ = f_S/f_N without thresholds.
     pub fn ln_ratio(&self, q: f64) -> f64 {
         if self.points == 1 {
-            return self.ln_ratio_at(q, self.snr[0]);
+            return self.ln_ratio_at(q, 0);
         }
-        let ratios = self.snr.map(|snr| self.ln_ratio_at(q, snr));
+        let ratios: [f64; SNR_POINTS] = std::array::from_fn(|point| self.ln_ratio_at(q, point));
         let largest = ratios.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let mean = ratios.iter().map(|ratio| (ratio - largest).exp()).sum::<f64>() / SNR_POINTS as f64;
         largest + mean.ln()
     }
 
-    fn ln_ratio_at(&self, q: f64, snr: f64) -> f64 {
+    fn ln_ratio_at(&self, q: f64, point: usize) -> f64 {
+        let snr = self.snr[point];
         match self.swerling {
             Swerling::Zero => self.steady_ln_ratio(q, snr),
-            Swerling::One if self.detector.reference_cells == 0 => q * snr / (1.0 + snr) - snr.ln_1p(),
+            Swerling::One if self.detector.reference_cells == 0 => q * snr / (1.0 + snr) - self.ln_mean[point],
             Swerling::One => self.detector.gamma_1(q, 1.0 + snr).ln_density - self.detector.gamma_1(q, 1.0).ln_density,
             Swerling::Three => {
                 let a = 0.5 * snr;

@@ -18,7 +18,7 @@ macro_rules! with_topics {
             Plots("plots", "plots/2") PlotsHeader, [Plot; MAX_PLOTS]
                 { QUEUE: 32, SUBSCRIBERS: 6, PUBLISHERS: 2, HISTORY: 0 } from "message.rs" "plots.rs";
             /// Tracks of a sector.
-            Tracks("tracks", "tracks/2") TracksHeader, [Track; MAX_TRACKS]
+            Tracks("tracks", "tracks/3") TracksHeader, [Track; MAX_TRACKS]
                 { QUEUE: 16, SUBSCRIBERS: 6, PUBLISHERS: 2, HISTORY: 0 } from "message.rs" "tracks.rs";
             /// True targets of a scan.
             Truth("truth", "truth/1") TruthHeader, [TruthTarget; MAX_TARGETS]

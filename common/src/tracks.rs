@@ -5,6 +5,7 @@ use std::io;
 use iceoryx2::prelude::ZeroCopySend;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_big_array::BigArray;
 
 use crate::message::{Header, Lineage, Place, Stamps};
 use crate::recording::row::{Row, Table, Value, put_all};
@@ -16,6 +17,47 @@ pub const MAX_TRACKS: usize = 256;
 pub const STATE: usize = 9;
 /// Elements of the packed upper triangle of a 9×9 covariance.
 pub const PACKED: usize = STATE * (STATE + 1) / 2;
+/// Models of a target's motion that [`Track`] has room for.
+pub const MODELS: usize = 8;
+
+/// [`Track::estimator`]: interacting modes of a drone.
+pub const ESTIMATOR_IMM_UAV: u16 = 1;
+/// [`Track::estimator`]: one Kalman filter of near-constant velocity.
+pub const ESTIMATOR_CV: u16 = 2;
+
+/// [`Track::model_kind`]: no model.
+pub const KIND_NONE: u16 = 0;
+/// [`Track::model_kind`]: standing in the air.
+pub const KIND_HOVER: u16 = 1;
+/// [`Track::model_kind`]: near-constant velocity.
+pub const KIND_CONSTANT_VELOCITY: u16 = 2;
+/// [`Track::model_kind`]: accelerating, as a manoeuvre.
+pub const KIND_MANOEUVRE: u16 = 3;
+/// [`Track::model_kind`]: coordinated turn; its parameter is the turn rate, rad/s.
+pub const KIND_COORDINATED_TURN: u16 = 4;
+/// [`Track::model_kind`]: acceleration about a mean; its parameter is that mean, m/s².
+pub const KIND_MEAN_ACCELERATION: u16 = 5;
+
+/// Name of an [`Track::estimator`], as `tracker.estimator` spells it.
+pub fn estimator_name(estimator: u16) -> Option<&'static str> {
+    match estimator {
+        ESTIMATOR_IMM_UAV => Some("imm-uav"),
+        ESTIMATOR_CV => Some("cv"),
+        _ => None,
+    }
+}
+
+/// Name of a [`Track::model_kind`].
+pub fn kind_name(kind: u16) -> Option<&'static str> {
+    match kind {
+        KIND_HOVER => Some("hover"),
+        KIND_CONSTANT_VELOCITY => Some("constant_velocity"),
+        KIND_MANOEUVRE => Some("manoeuvre"),
+        KIND_COORDINATED_TURN => Some("coordinated_turn"),
+        KIND_MEAN_ACCELERATION => Some("mean_acceleration"),
+        _ => None,
+    }
+}
 
 /// [`Track::state_code`]: started, not yet believed.
 pub const TENTATIVE: u32 = 0;
@@ -28,13 +70,13 @@ pub const TERMINATED: u32 = 3;
 
 /// [`Track::gate_code`]: no plot was looked for or found.
 pub const GATE_NONE: u32 = 0;
-/// [`Track::gate_code`]: gate of the most probable mode.
+/// [`Track::gate_code`]: gate of the most probable model.
 pub const GATE_MOST_PROBABLE: u32 = 1;
-/// [`Track::gate_code`]: the manoeuvre mode's gate, searched because the first was empty.
-pub const GATE_MANOEUVRE_FALLBACK: u32 = 2;
-/// [`Track::gate_code`]: the manoeuvre mode's gate, by rule.
-pub const GATE_MANOEUVRE: u32 = 3;
-/// [`Track::gate_code`]: several modes' gates together.
+/// [`Track::gate_code`]: the widest model's gate, searched because the first was empty.
+pub const GATE_WIDEST_FALLBACK: u32 = 2;
+/// [`Track::gate_code`]: the widest model's gate, by rule.
+pub const GATE_WIDEST: u32 = 3;
+/// [`Track::gate_code`]: several models' gates together.
 pub const GATE_UNION: u32 = 4;
 
 /// Plots that [`Track::used`] has room for.
@@ -51,38 +93,82 @@ pub struct UsedPlot {
     pub index: u32,
     /// Probability that it is the track's.
     pub weight: f32,
-    /// Bit j is set if it lies in the gate of mode j.
+    /// Bit j is set if it lies in the gate of model j of the filter.
     pub gates: u32,
     /// Always 0: no undefined bytes.
     pub reserved: u32,
 }
 
+impl UsedPlot {
+    /// No plot.
+    pub const NONE: Self = Self { seq: 0, index: 0, weight: 0.0, gates: 0, reserved: 0 };
+}
+
+/// What a filter says of a target's way to move, for [`Track`].
+#[derive(Debug, Default, Clone, Copy, PartialEq)]
+pub struct Models {
+    /// Models in use.
+    pub count: usize,
+    /// `KIND_…` of each.
+    pub kind: [u16; MODELS],
+    /// Probability of each.
+    pub probability: [f64; MODELS],
+    /// Parameter of each, by kind; 0 where it has none.
+    pub parameter: [f64; MODELS],
+}
+
+impl Models {
+    /// Kind of the most probable model (the first of equals).
+    pub fn most_probable(&self) -> u16 {
+        let of = |j: usize| self.probability[j];
+        self.kind[(1..self.count).fold(0, |best, j| if of(j) > of(best) { j } else { best })]
+    }
+
+    /// Adds a model. Of more than there is room for, the last are left out.
+    pub fn push(&mut self, kind: u16, probability: f64, parameter: f64) {
+        if self.count < MODELS {
+            self.kind[self.count] = kind;
+            self.probability[self.count] = probability;
+            self.parameter[self.count] = parameter;
+            self.count += 1;
+        }
+    }
+}
+
 /// State of one track at [`Track::time_ns`], in ENU about the antenna; m, m/s, m/s².
 ///
-/// Order of the states: [x ẋ ẍ y ẏ ÿ z ż z̈]. Covariances are packed upper triangles,
-/// row by row (see [`pack`]). Modes: 0 hover, 1 near-constant velocity, 2 manoeuvre.
+/// Order of the states: [x ẋ ẍ y ẏ ÿ z ż z̈]; the filter knows the first [`Track::known`] of [x y z ẋ ẏ ż ẍ ÿ z̈], the rest is 0.
+/// Covariances are packed upper triangles, row by row (see [`pack`]).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
-#[type_name("radar/Track/2")]
+#[type_name("radar/Track/3")]
 #[repr(C)]
 pub struct Track {
     /// Time of the state: when the beam passed the track, ns UTC.
     pub time_ns: u64,
     /// Number of the track, never used again in a session.
     pub id: u64,
-    /// Mean of the mixture of modes (MMSE).
+    /// Mean of all models together (MMSE).
     pub state: [f64; STATE],
-    /// State of the most probable mode.
-    pub mode_state: [f64; STATE],
-    /// Covariance of the mixture.
-    #[serde(with = "packed")]
+    /// Covariance of all models together.
+    #[serde(with = "BigArray")]
     #[schemars(with = "Vec<f64>")]
     pub covariance: [f64; PACKED],
-    /// Covariance of the most probable mode.
-    #[serde(with = "packed")]
+    /// The same for this time before the plots of the scan: what exact fusion needs. Of a track that has just started, that of the start.
+    pub predicted_state: [f64; STATE],
+    /// Covariance of that prediction.
+    #[serde(with = "BigArray")]
     #[schemars(with = "Vec<f64>")]
-    pub mode_covariance: [f64; PACKED],
-    /// Probabilities of the modes.
-    pub mode_probability: [f64; 3],
+    pub predicted_covariance: [f64; PACKED],
+    /// Mean of the most probable component of the filter.
+    pub model_state: [f64; STATE],
+    /// Covariance of the most probable component of the filter.
+    #[serde(with = "BigArray")]
+    #[schemars(with = "Vec<f64>")]
+    pub model_covariance: [f64; PACKED],
+    /// Probability of each model.
+    pub model_probability: [f64; MODELS],
+    /// Parameter of each model, by kind; 0 where it has none.
+    pub model_parameter: [f64; MODELS],
     /// Probability that the track follows a target (T18).
     pub existence: f64,
     /// Volume of the gate, m³·m/s (fewer dimensions where plots have fewer).
@@ -109,44 +195,76 @@ pub struct Track {
     pub misses: u32,
     /// Estimated signal-to-noise ratio of the target, dB.
     pub snr_db: f32,
+    /// `KIND_…` of each model; [`KIND_NONE`] beyond the last.
+    pub model_kind: [u16; MODELS],
+    /// `ESTIMATOR_…`: the family of the filter.
+    pub estimator: u16,
+    /// Components of the state that the filter knows: 3 (position), 6 (and velocity) or 9 (and acceleration).
+    pub known: u8,
+    /// Models in use.
+    pub models: u8,
+    /// Always 0: no undefined bytes.
+    pub reserved: u32,
     /// The plots of the largest weights, in that order, and the gates in which they lay; weight 0 where there is none.
     pub used: [UsedPlot; USED_PLOTS],
 }
 
-const _: () = assert!(size_of::<Track>() == 1120 && align_of::<Track>() == 8);
+const _: () = assert!(size_of::<Track>() == 1680 && align_of::<Track>() == 8);
 
 impl Default for Track {
     fn default() -> Self {
-        Self {
-            time_ns: 0,
-            id: 0,
-            state: [0.0; STATE],
-            mode_state: [0.0; STATE],
-            covariance: [0.0; PACKED],
-            mode_covariance: [0.0; PACKED],
-            mode_probability: [0.0; 3],
-            existence: 0.0,
-            gate_volume: 0.0,
-            weight_none: 0.0,
-            weight_best: 0.0,
-            best_plot_seq: 0,
-            best_plot_index: u32::MAX,
-            plots_in_gate: 0,
-            state_code: TENTATIVE,
-            gate_code: GATE_NONE,
-            age_scans: 0,
-            hits: 0,
-            misses: 0,
-            snr_db: 0.0,
-            used: [UsedPlot::default(); USED_PLOTS],
-        }
+        Self::EMPTY
     }
 }
 
 impl Track {
+    /// A tentative track of which nothing is known.
+    pub const EMPTY: Self = Self {
+        time_ns: 0,
+        id: 0,
+        state: [0.0; STATE],
+        covariance: [0.0; PACKED],
+        predicted_state: [0.0; STATE],
+        predicted_covariance: [0.0; PACKED],
+        model_state: [0.0; STATE],
+        model_covariance: [0.0; PACKED],
+        model_probability: [0.0; MODELS],
+        model_parameter: [0.0; MODELS],
+        existence: 0.0,
+        gate_volume: 0.0,
+        weight_none: 0.0,
+        weight_best: 0.0,
+        best_plot_seq: 0,
+        best_plot_index: u32::MAX,
+        plots_in_gate: 0,
+        state_code: TENTATIVE,
+        gate_code: GATE_NONE,
+        age_scans: 0,
+        hits: 0,
+        misses: 0,
+        snr_db: 0.0,
+        model_kind: [KIND_NONE; MODELS],
+        estimator: 0,
+        known: 0,
+        models: 0,
+        reserved: 0,
+        used: [UsedPlot::NONE; USED_PLOTS],
+    };
+
     /// Confirmed or coasting: shown to users.
     pub fn is_confirmed(&self) -> bool {
         self.state_code == CONFIRMED || self.state_code == COASTING
+    }
+
+    /// Probability of the models of a kind together; 0 if the filter has none.
+    pub fn probability_of(&self, kind: u16) -> f64 {
+        self.model_kind.iter().zip(&self.model_probability).filter(|(own, _)| **own == kind).map(|(_, p)| p).sum()
+    }
+
+    /// Kind of the most probable model (the first of equals).
+    pub fn most_probable_kind(&self) -> u16 {
+        let of = |j: usize| self.model_probability[j];
+        self.model_kind[(1..MODELS).fold(0, |best, j| if of(j) > of(best) { j } else { best })]
     }
 
     /// East, north, up; m.
@@ -245,8 +363,38 @@ const SIGMA_COLUMNS: [&str; STATE] = [
     "sigma_az_mps2",
 ];
 
-/// Names of the probabilities of the modes.
-const MODE_COLUMNS: [&str; 3] = ["mode_hover", "mode_constant_velocity", "mode_manoeuvre"];
+/// Names of the probabilities of the kinds of models; empty where the filter has none of a kind.
+const KIND_COLUMNS: [(u16, &str); 5] = [
+    (KIND_HOVER, "mode_hover"),
+    (KIND_CONSTANT_VELOCITY, "mode_constant_velocity"),
+    (KIND_MANOEUVRE, "mode_manoeuvre"),
+    (KIND_COORDINATED_TURN, "mode_coordinated_turn"),
+    (KIND_MEAN_ACCELERATION, "mode_mean_acceleration"),
+];
+/// Names of the components of the state predicted before the plots of the scan.
+const PREDICTED_COLUMNS: [&str; STATE] = [
+    "predicted_x_m",
+    "predicted_vx_mps",
+    "predicted_ax_mps2",
+    "predicted_y_m",
+    "predicted_vy_mps",
+    "predicted_ay_mps2",
+    "predicted_z_m",
+    "predicted_vz_mps",
+    "predicted_az_mps2",
+];
+/// Names of their standard errors.
+const PREDICTED_SIGMA_COLUMNS: [&str; STATE] = [
+    "predicted_sigma_x_m",
+    "predicted_sigma_vx_mps",
+    "predicted_sigma_ax_mps2",
+    "predicted_sigma_y_m",
+    "predicted_sigma_vy_mps",
+    "predicted_sigma_ay_mps2",
+    "predicted_sigma_z_m",
+    "predicted_sigma_vz_mps",
+    "predicted_sigma_az_mps2",
+];
 
 impl Row<TracksHeader> for Track {
     fn put_row(&self, header: &TracksHeader, table: &mut dyn Table) -> io::Result<()> {
@@ -257,10 +405,14 @@ impl Row<TracksHeader> for Track {
         table.put("time_ns", Value::U64(self.time_ns))?;
         table.put("state_code", Value::U32(self.state_code))?;
         put_all(&STATE_COLUMNS, &self.state, table)?;
-        let sigmas: [f64; STATE] = std::array::from_fn(|axis| self.covariance[pack(axis, axis)].sqrt());
-        put_all(&SIGMA_COLUMNS, &sigmas, table)?;
+        let sigmas = |covariance: &[f64; PACKED]| -> [f64; STATE] {
+            std::array::from_fn(|axis| covariance[pack(axis, axis)].sqrt())
+        };
+        put_all(&SIGMA_COLUMNS, &sigmas(&self.covariance), table)?;
         table.put("existence", Value::F64(self.existence))?;
-        put_all(&MODE_COLUMNS, &self.mode_probability, table)?;
+        for (kind, column) in KIND_COLUMNS {
+            table.put_if(self.model_kind.contains(&kind), column, Value::F64(self.probability_of(kind)))?;
+        }
         table.put("gate_code", Value::U32(self.gate_code))?;
         table.put("gate_volume", Value::F64(self.gate_volume))?;
         table.put("plots_in_gate", Value::U32(self.plots_in_gate))?;
@@ -273,43 +425,10 @@ impl Row<TracksHeader> for Track {
         table.put("age_scans", Value::U32(self.age_scans))?;
         table.put("hits", Value::U32(self.hits))?;
         table.put("misses", Value::U32(self.misses))?;
+        table.put("estimator", Value::U32(self.estimator.into()))?;
+        table.put("known", Value::U32(self.known.into()))?;
+        put_all(&PREDICTED_COLUMNS, &self.predicted_state, table)?;
+        put_all(&PREDICTED_SIGMA_COLUMNS, &sigmas(&self.predicted_covariance), table)?;
         Ok(())
-    }
-}
-
-/// serde knows arrays only up to 32 elements; a packed triangle is a sequence of 45.
-mod packed {
-    use serde::de::{Error, SeqAccess, Visitor};
-    use serde::ser::SerializeTuple;
-    use serde::{Deserializer, Serializer};
-
-    use super::PACKED;
-
-    pub(super) fn serialize<S: Serializer>(values: &[f64; PACKED], serializer: S) -> Result<S::Ok, S::Error> {
-        let mut tuple = serializer.serialize_tuple(PACKED)?;
-        for value in values {
-            tuple.serialize_element(value)?;
-        }
-        tuple.end()
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; PACKED], D::Error> {
-        struct Packed;
-        impl<'de> Visitor<'de> for Packed {
-            type Value = [f64; PACKED];
-
-            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-                write!(f, "{PACKED} numbers: the packed upper triangle of a 9×9 covariance")
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Self::Value, A::Error> {
-                let mut values = [0.0; PACKED];
-                for (index, value) in values.iter_mut().enumerate() {
-                    *value = sequence.next_element()?.ok_or_else(|| A::Error::invalid_length(index, &self))?;
-                }
-                Ok(values)
-            }
-        }
-        deserializer.deserialize_tuple(PACKED, Packed)
     }
 }

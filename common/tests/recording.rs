@@ -85,7 +85,7 @@ fn messages_of_another_version_are_refused_by_name() {
         let schema = writer.add_schema(schema, "rust", b"").expect("memory");
         writer.add_channel(schema, topic, "bincode", &none).expect("memory")
     };
-    let ids = [channel("radar/here/plots", "plots/9"), channel("radar/here/tracks", "tracks/2")];
+    let ids = [channel("radar/here/plots", "plots/9"), channel("radar/here/tracks", "tracks/3")];
     let mut tracks = Vec::new();
     container::encode(Recorded::Tracks(TracksHeader::default(), Vec::new()).by_ref(), &mut tracks).expect("memory");
     for (channel_id, payload) in [(ids[0], &tracks), (ids[0], &tracks), (ids[1], &tracks)] {

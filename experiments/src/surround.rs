@@ -13,11 +13,12 @@ use common::angle;
 use common::config::GateRule;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Exp1, Poisson};
+use tracker::association::gate::Gate;
+use tracker::association::one_track::OneTrack;
 use tracker::association::{Rules, Surroundings};
-use tracker::gate::{Gate, Radar};
-use tracker::imm::Imm;
-use tracker::measurement::{COORDINATES, Expected, Measurement};
-use tracker::motion::{MANOEUVRE, MODES};
+use tracker::filter::Mixture;
+use tracker::plots::measurement::{COORDINATES, Measurement};
+use tracker::plots::radar::Radar;
 
 use crate::world::{offset, plot, radar};
 
@@ -62,9 +63,24 @@ impl Region {
     }
 }
 
-/// The three gates of a prediction.
-pub fn gates(prediction: &Imm, radar: &Radar, alpha: f64) -> [Gate; MODES] {
-    std::array::from_fn(|j| Gate::new(&Expected::new(j, &prediction.modes[j]), radar, alpha))
+/// The gates of a predicted track or hypothesis, by component of its filter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prospect {
+    /// The gates.
+    pub gates: Vec<Gate>,
+    /// The most probable component.
+    pub first: usize,
+    /// The component that is searched if the first gate is empty.
+    pub widest: usize,
+}
+
+impl Prospect {
+    /// Of a predicted state of the filter of `track`.
+    pub fn of(track: &mut OneTrack, words: &[f64], radar: &Radar, rules: &Rules) -> Self {
+        let layout = *track.filter().layout();
+        let (first, widest) = (Mixture::new(&layout, words).most_probable(), layout.widest);
+        Self { gates: track.gates(words, radar, rules.alpha), first, widest }
+    }
 }
 
 /// The boxes of one scan, each with the power from which plots in it count.
@@ -80,37 +96,37 @@ impl<'a> Surround<'a> {
         Self { detector, searched: Vec::new() }
     }
 
-    /// Appends the false plots among which `rules` will choose for a track whose filters predict `predictions`, the most
-    /// probable first (one filter, or the hypotheses of a track). `plots` may hold the target's plot: where a rule looks
+    /// Appends the false plots among which `rules` will choose for a track with these `prospects`, the most
+    /// probable first (one, or those of the hypotheses of a track). `plots` may hold the target's plot: where a rule looks
     /// elsewhere if its gate is empty, that counts.
     pub fn draw<F>(
         &mut self,
-        predictions: &[Imm],
+        prospects: &[Prospect],
         rules: &Rules,
         surroundings: &Surroundings<'_, F>,
         rng: &mut impl Rng,
         plots: &mut Vec<Measurement>,
     ) {
         let radar = surroundings.radar;
-        let all = gates(&predictions[0], radar, rules.alpha);
+        let Prospect { gates, first, widest } = &prospects[0];
         match rules.gate_rule {
             GateRule::MostProbable => {
-                let first = Region::from(&all[predictions[0].most_probable()]);
+                let first = Region::from(&gates[*first]);
                 self.search(first, 0.0, rng, plots);
                 if !plots.iter().any(|plot| first.holds(&plot.polar)) {
-                    self.search(Region::from(&all[MANOEUVRE]), 0.0, rng, plots);
+                    self.search(Region::from(&gates[*widest]), 0.0, rng, plots);
                 }
             }
-            GateRule::Manoeuvre => self.search(Region::from(&all[MANOEUVRE]), 0.0, rng, plots),
+            GateRule::Widest => self.search(Region::from(&gates[*widest]), 0.0, rng, plots),
             GateRule::Union => {
-                let joined = |prediction: &Imm| {
-                    let all = gates(prediction, radar, rules.alpha);
-                    let cells = all.iter().map(|gate| gate.cells(radar)).fold(0.0, f64::max);
-                    let [first, second, third] = [0, 1, 2].map(|mode| Region::from(&all[mode]));
+                let joined = |prospect: &Prospect| {
+                    let cells = prospect.gates.iter().map(|gate| gate.cells(radar)).fold(0.0, f64::max);
+                    let regions = prospect.gates.iter().map(Region::from);
                     let threshold = surroundings.scan_threshold(cells, rules.gate_false_plots);
-                    (first.join(&second).join(&third), threshold)
+                    let region = regions.reduce(|joined, region| joined.join(&region));
+                    (region.unwrap_or(Region { centre: [0.0; COORDINATES], half: [0.0; COORDINATES] }), threshold)
                 };
-                let mut regions: Vec<(Region, f64)> = predictions.iter().map(joined).collect();
+                let mut regions: Vec<(Region, f64)> = prospects.iter().map(joined).collect();
                 // A box with a lower threshold has all plots of those after it.
                 regions.sort_by(|a, b| a.1.total_cmp(&b.1));
                 for (region, threshold) in regions {

@@ -14,7 +14,7 @@ use common::units::NS_PER_S;
 use radar_sim::motion::Segments;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Exp1, Poisson};
-use tracker::measurement::COORDINATES;
+use tracker::plots::measurement::COORDINATES;
 
 use crate::world::{Conditions, place, power, scattered};
 

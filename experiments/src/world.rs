@@ -11,14 +11,14 @@ use common::angle;
 use common::config::Swerling;
 use common::geometry::{Polar, range_rate_mps};
 use common::random::{Purpose, generator};
+use common::tracks::{KIND_CONSTANT_VELOCITY, KIND_HOVER, KIND_MANOEUVRE};
 use common::units::from_db;
 use nalgebra::Vector3;
 use radar_sim::motion::{Kinematics, Segments};
 use rand::Rng;
 use rand_distr::{Distribution, Exp1, Gamma, StandardNormal};
-use tracker::gate::Radar;
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::{CONSTANT_VELOCITY, HOVER, MANOEUVRE};
+use tracker::plots::measurement::{COORDINATES, Measurement};
+use tracker::plots::radar::Radar;
 
 use crate::trajectory::{SCANS, Trajectory};
 
@@ -69,8 +69,8 @@ pub struct Sight {
     pub plot: Measurement,
     /// Whether it is detected.
     pub detected: bool,
-    /// What it did since the scan before, 0 hover, 1 constant velocity, 2 manoeuvre: the mode that is to be found.
-    pub mode: usize,
+    /// What it did since the scan before, `KIND_…` of [`common::tracks`]: the model that is to be found.
+    pub kind: u16,
 }
 
 /// A target's plots at k = −1, 0, 1, … `SCANS`, a second apart: index 0 is k = −1. Detection of the first two is certain.
@@ -84,18 +84,18 @@ pub fn sights(trajectory: Trajectory, conditions: &Conditions, seed: u64, run: u
             let mut rng = generator(seed, Purpose::Measurement, run, scan);
             let plot = measure(&truth, conditions, &mut rng);
             let certain = conditions.pfa <= 0.0 || scan < 2;
-            let mode = mode_before(&motion, time_s);
-            Sight { time_s, truth, plot, detected: certain || plot.power > threshold, mode }
+            let kind = kind_before(&motion, time_s);
+            Sight { time_s, truth, plot, detected: certain || plot.power > threshold, kind }
         })
         .collect()
 }
 
-/// Index of the mode in the second before a time, s; 0 is k = −1.
-pub fn mode_before(motion: &Segments, time_s: f64) -> usize {
+/// Kind of motion in the second before a time, s; 0 is k = −1.
+pub fn kind_before(motion: &Segments, time_s: f64) -> u16 {
     match motion.at((time_s - 0.5).max(0.0)).mode {
-        common::truth::HOVER => HOVER,
-        common::truth::MANOEUVRE => MANOEUVRE,
-        _ => CONSTANT_VELOCITY,
+        common::truth::HOVER => KIND_HOVER,
+        common::truth::MANOEUVRE => KIND_MANOEUVRE,
+        _ => KIND_CONSTANT_VELOCITY,
     }
 }
 
@@ -147,6 +147,7 @@ pub fn plot(polar: [f64; COORDINATES], power: f64) -> Measurement {
         time_ns: 0,
         position: place.to_enu().into(),
         polar,
+        cos_elevation: polar[2].cos(),
         variance: SIGMA.map(|sigma| sigma * sigma),
         power,
         measured: [true; COORDINATES],

@@ -45,9 +45,9 @@ fn results() -> Vec<Recorded> {
             time_ns,
             id: seq % 8,
             state: std::array::from_fn(|_| noise.next()),
-            mode_state: std::array::from_fn(|_| noise.next()),
+            model_state: std::array::from_fn(|_| noise.next()),
             covariance: std::array::from_fn(|_| noise.next()),
-            mode_covariance: std::array::from_fn(|_| noise.next()),
+            model_covariance: std::array::from_fn(|_| noise.next()),
             ..Track::default()
         };
         let tracks = if seq % 4 == 0 { vec![track()] } else { Vec::new() };

@@ -1,48 +1,38 @@
-//! One scan of many tracks: index of the plots, predict, gate, associate and update; three modes of nine states.
+//! The kernel: prediction, gates, update of many tracks, and nothing around them; the drone filter's three modes of nine states.
 //!
-//! Ids are `tracks x plots in each gate`; times are per whole scan, on one core, in f64.
+//! Ids are `tracks x plots of each`; times are per whole scan, on one core, in f64. `kernel` works on groups of eight, `kernel_single` on one
+//! track after the other by the same code with vectors of one. `tracker_take` is the whole tracker.
 //!
-//! The tracks stand on a lattice of azimuth, range (2 to 50 km) and elevation (0 to 0.4 rad), so far apart that their
-//! gates (some ±14 mrad and ±175 m at the start) do not overlap: each holds its own five plots. Plots and tracks come in the order in
-//! which a turning beam meets them. The plots stay the same from scan to scan, so each track settles and what is timed is
-//! the steady state.
+//! Each track is offered its own five plots, the same from scan to scan, so that it settles and what is timed is the steady state. The gains
+//! a = ℓ/ρ are given: they belong to the plots and cost the same whatever the filter. States lie track by track and are loaded into lanes and
+//! stored, as in the tracker.
 //!
 //! **Limits.** Arithmetic: 5040 multiplications and additions a track and 159 a plot, 5835 here: 182 cycles of two eight-lane fused
 //! operations, 0.065 µs at 2.8 GHz (squares about a running mean are 27 more a plot, three of them divisions, and 75 fewer a track).
-//! Memory: a track is 744 bytes, read and written in each scan; its five plots are 560 bytes, read once for the index and once for the
-//! gates, and 140 are the index: 2.8 kB. 1000 tracks stay in the second-level cache; 10,000 and more do not; figures are in
-//! `docs/results.md`. The same number of neighbours stands about each track at every number of tracks (five above each other), or else
-//! time would measure those.
+//! Memory: a track's state is 752 bytes, read and written in each scan; its five plots are 560 bytes.
 //!
 //! `plot_index` is the index alone: sorting, and one window of four expected plots about each plot.
-//!
-//! The gains a = ℓ/ρ are given: they belong to the plots and cost the same whatever the filter.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
-use common::amplitude::Detector;
-use common::config::{Swerling, TrackerConfig};
 use common::geometry::Polar;
 use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot};
 use common::random::{Purpose, generator};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use rand::RngExt;
-use tracker::association::{FalsePlots, Rules, Surroundings};
-use tracker::batch::{Bank, Kernel, Offer, Scan};
-use tracker::gate::Radar;
-use tracker::imm::{Imm, transition};
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::Motion;
-use tracker::plot_index::{PlotIndex, Window};
-use tracker::start::two_plots;
-use tracker::update::{Workspace, update};
+use tracker::association::gate::own_probability;
+use tracker::filter::uav::Uav;
+use tracker::filter::{Evidence, Filter, Group, LANES, Machine, Mixture, Prior, Row, TwoPlots, Update, expect};
+use tracker::plots::index::{PlotIndex, Window};
+use tracker::plots::measurement::{COORDINATES, Measurement};
+use tracker::plots::radar::Radar;
 
 /// Plots in each gate.
 const PLOTS: usize = 5;
 const SIGMA: [f32; COORDINATES] = [20.0, 0.001_745, 0.001_745, 10.0];
 /// The default settings.
-const MOTION: Motion = Motion { noise: [0.9, 0.8, 7.5], axes: 3 };
+const FILTER: Uav = Uav { noise: [0.9, 0.8, 7.5], axes: 3, stay: 0.9, start_probability: [0.33, 0.34, 0.33] };
 const ALPHA: f64 = 3.5;
 const INFLATION: f64 = 0.45;
 
@@ -51,7 +41,8 @@ type Lattice = [u32; 3];
 
 /// Tracks of two plots each, and the plots of their next scans.
 struct Scene {
-    tracks: Vec<Imm>,
+    /// States, one after the other.
+    tracks: Vec<f64>,
     /// By track.
     plots: Vec<[Measurement; PLOTS]>,
 }
@@ -96,7 +87,9 @@ fn scene([azimuths, ranges, elevations]: Lattice, own_errors: bool) -> Scene {
                     measurement(place, range_rate, statistic, error)
                 };
                 let (previous, last) = (near(1.0, 0.0, 5.0), near(1.0, 0.0, 5.0));
-                scene.tracks.push(two_plots(&previous, &last, 1.0, &MOTION, [0.33, 0.34, 0.33]));
+                let (first, words) = (scene.tracks.len(), FILTER.layout().words());
+                scene.tracks.resize(first + words, 0.0);
+                FILTER.start(&TwoPlots { previous: &previous, last: &last, step_s: 1.0 }, &mut scene.tracks[first..]);
                 scene.plots.push(std::array::from_fn(|_| near(0.8, 3.0, 4.5)));
             }
         }
@@ -109,75 +102,55 @@ fn radar() -> Radar {
     Radar { variance: cell.map(|cell| cell * cell / 12.0), cell, measured: [true; COORDINATES] }
 }
 
-fn batch(criterion: &mut Criterion, group: &str, own_errors: bool, lattices: &[Lattice]) {
+fn kernel(criterion: &mut Criterion, group: &str, lanes: usize, own_errors: bool, lattices: &[Lattice]) {
     let mut group = criterion.benchmark_group(group);
-    let chain = transition(0.9, 1.0);
+    let (machine, radar, layout) = (Machine::default(), radar(), FILTER.layout());
     for &lattice in lattices {
-        let scene = scene(lattice, own_errors);
-        let mut bank = Bank::new(Kernel::new(MOTION, radar(), ALPHA, INFLATION));
-        for track in &scene.tracks {
-            bank.push(track);
-        }
-        let mut plots: Vec<Measurement> = scene.plots.into_iter().flatten().collect();
-        plots.sort_by(|a, b| a.polar[1].total_cmp(&b.polar[1]));
-        let gains = vec![1e8; plots.len()];
-        let scan = Scan { plots: &plots, gains: &gains, time_ns: 0, dt_s: 1.0, transition: &chain };
-        let tracks = bank.len();
-        group.throughput(Throughput::Elements(tracks as u64));
-        group.sample_size(if tracks > 10_000 { 20 } else { 100 });
-        group.bench_function(BenchmarkId::from_parameter(format!("{tracks}x{PLOTS}")), |bencher| {
+        let Scene { mut tracks, plots } = scene(lattice, own_errors);
+        let (mut prediction, mut expected) = (Group::new(layout), Vec::new());
+        let (mut evidence, mut update) = (Evidence::default(), Update::new(layout));
+        let miss = 1.0 - 0.9 * own_probability(ALPHA, COORDINATES);
+        group.throughput(Throughput::Elements(plots.len() as u64));
+        group.sample_size(if plots.len() > 10_000 { 20 } else { 100 });
+        group.bench_function(BenchmarkId::from_parameter(format!("{}x{PLOTS}", plots.len())), |bencher| {
             bencher.iter(|| {
-                let mut full = 0;
-                bank.scan(
-                    black_box(&scan),
-                    |_, cells| Offer { threshold: (cells / 100.0).ln(), detection_probability: 0.9 },
-                    |passed| full += passed.plots[..passed.lanes].iter().filter(|plots| plots.len() == PLOTS).count(),
-                );
-                assert_eq!(full, tracks); // a fast wrong answer is not a result
+                let mut taken = 0;
+                for (states, plots) in tracks.chunks_mut(lanes * layout.words()).zip(plots.chunks(lanes)) {
+                    for (lane, state) in states.chunks(layout.words()).enumerate() {
+                        update.posterior.load(lane, state);
+                    }
+                    FILTER.predict(
+                        machine,
+                        plots.len(),
+                        &update.posterior,
+                        black_box(&Row::splat(1.0)),
+                        &mut prediction,
+                    );
+                    expect(machine, plots.len(), &radar, ALPHA, &prediction, &mut expected);
+                    evidence.clear(layout.len());
+                    for (lane, plots) in plots.iter().enumerate() {
+                        evidence.set_none(lane, &[miss; 3]);
+                        plots.iter().for_each(|plot| evidence.add(lane, plot, 0.0, 1e8));
+                    }
+                    let prior = Prior { prediction: &prediction, expected: &expected, inflation: INFLATION };
+                    FILTER.update(machine, plots.len(), prior, &evidence, &mut update);
+                    for (lane, state) in states.chunks_mut(layout.words()).enumerate() {
+                        taken += usize::from(update.weights.of_none(lane, &update.posterior) < 0.5);
+                        update.posterior.store(lane, state);
+                    }
+                }
+                assert!(taken * 10 > plots.len() * 9, "{taken}"); // a fast wrong answer is not a result
             });
         });
-        assert!((0..tracks).all(|track| bank.track(track).is_sound()));
+        assert!(tracks.chunks(layout.words()).all(|state| Mixture::new(layout, state).is_sound()));
     }
     group.finish();
 }
 
 fn tracker_cycle(criterion: &mut Criterion) {
-    batch(criterion, "tracker_cycle", false, &[[1, 1, 1], [20, 10, 5], [100, 20, 5], [200, 100, 5]]);
-    batch(criterion, "tracker_cycle_own_errors", true, &[[20, 10, 5]]);
-}
-
-/// The same one track at a time, each offered its own plots: no index, and the rule of the configuration.
-fn tracker_cycle_plain(criterion: &mut Criterion) {
-    let scene = scene([20, 10, 5], false);
-    let rules = Rules::new(&TrackerConfig::default());
-    let radar = radar();
-    let target = Detector::new(1e-2, 0).target(Swerling::One, 20.0);
-    let surroundings = Surroundings {
-        radar: &radar,
-        detection_probability: target.detection_probability,
-        target: Some(&target),
-        shares: &[],
-        clutter: |_: &[f64; COORDINATES]| FalsePlots { density: 1e-8, mean_excess: 0.0 },
-    };
-    let chain = transition(0.9, 1.0);
-    let mut workspace = Workspace::default();
-    let mut tracks = scene.tracks;
-    let mut group = criterion.benchmark_group("tracker_cycle_plain");
-    group.throughput(Throughput::Elements(tracks.len() as u64));
-    group.bench_function(BenchmarkId::from_parameter(format!("{}x{PLOTS}", tracks.len())), |bencher| {
-        bencher.iter(|| {
-            let mut associated = 0;
-            for (track, plots) in tracks.iter_mut().zip(&scene.plots) {
-                let prediction = black_box(&*track).predict(&chain, &MOTION, 1.0);
-                let outcome = update(&prediction, 0, plots, &surroundings, &rules, &mut workspace);
-                associated += outcome.plots_in_gate;
-                *track = outcome.posterior;
-            }
-            assert_eq!(associated, tracks.len() * PLOTS);
-        });
-    });
-    group.finish();
-    assert!(tracks.iter().all(Imm::is_sound));
+    kernel(criterion, "kernel", LANES, false, &[[1, 1, 1], [20, 10, 5], [100, 20, 5], [200, 100, 5]]);
+    kernel(criterion, "kernel_own_errors", LANES, true, &[[20, 10, 5]]);
+    kernel(criterion, "kernel_single", 1, false, &[[20, 10, 5]]);
 }
 
 /// Sorting plots and asking for as many windows as there are plots, each expected to hold as many plots whatever their number:
@@ -219,5 +192,5 @@ fn plot_index(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, tracker_cycle, tracker_cycle_plain, plot_index);
+criterion_group!(benches, tracker_cycle, plot_index);
 criterion_main!(benches);

@@ -1,21 +1,14 @@
 //! Plots in, tracks out: an IMM-PDA tracker that uses decision statistics.
 //!
-//! One idea per file, in the order in which a plot meets them:
 //! ```text
-//! sweep         where the beam is            measurement  plot → y, R; what a mode expects     (T5)-(T8)
-//! plot_store    plots by beam angle          gate         which plots may be the track's       (T9)-(T11), (T13)
-//! plot_index    plots by azimuth and range   association  and how much each one is             (T12), (T20)
-//! state         mean and covariance          update       all modes with all plots             (T14)-(T16)
-//! motion        the three modes  (T1)        start, initiation  two plots make a track         (T17), (T18)
-//! imm           mixing  (T2)-(T4)            joint        plots that several tracks want       (J2), (J3)
-//! clutter_map   false plots to expect        resolution   two targets in one plot              (J1), (J4)
-//! amplitude     SNR        (T19), (T20.5)    life         existence, confirmation, end         (T18), (T20.6)
-//! hypotheses    several histories  (T21)
-//! track         one track between passages   site         the radar, as its headers tell
-//! roster        tracks, each in its place    agenda       whom the beam passes next
-//! neighbours    who is near a place          rivals       which tracks may want the same plots
-//! tracker       all of it, one call per message
-//! batch         eight tracks at a time   (T2)-(T5), (T20)    group        prediction and update of several tracks by it
+//! beam         where it is (sweep), which tracks it meets next (agenda)
+//! plots        plot → y, R (measurement, (T5)-(T8)), kept by beam angle (store), found by place (index)
+//! filter       normal distributions (gaussian); uav: the drone filter  (T1)-(T4), (T14)-(T17)
+//! association  which plots may be a track's (gate, (T9)-(T11), (T13)) and how much each is (choice, (T12), (T20));
+//!              several histories (hypotheses, (T21)), several tracks (rivals, joint (J2), (J3), resolution (J1), (J4)),
+//!              false plots to expect (clutter_map)
+//! tracks       store, life (T18), amplitude (T19), (T20.5), initiation (T18)
+//! tracker      all of it, one call per message
 //! ```
 //!
 //! Pure: no clock, file, shared memory or thread (but for [`replay`], which reads and writes). Formulas:
@@ -23,34 +16,15 @@
 
 #![expect(clippy::needless_range_loop, reason = "one index into several arrays reads like the formula")]
 
-pub mod agenda;
-pub mod amplitude;
 pub mod association;
-pub mod batch;
-pub mod clutter_map;
-pub mod gate;
-pub mod group;
-pub mod hypotheses;
-pub mod imm;
-pub mod initiation;
-pub mod joint;
-pub mod life;
-pub mod measurement;
-pub mod motion;
-pub mod neighbours;
-pub mod plot_index;
-pub mod plot_store;
+pub mod beam;
+mod constants;
+mod environment;
+pub mod filter;
+pub mod plots;
 pub mod process;
 pub mod replay;
-pub mod resolution;
-pub mod rivals;
-pub mod roster;
-mod site;
-pub mod start;
-pub mod state;
-pub mod sweep;
-pub mod track;
 pub mod tracker;
-pub mod update;
+pub mod tracks;
 
-pub use tracker::{Taken, Tracker};
+pub use tracker::{Processed, Tracker};

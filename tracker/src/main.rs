@@ -60,7 +60,7 @@ fn replay_file(stage: &StageArgs, plots: &Path, tracks: &Path) -> anyhow::Result
         summary.plots,
         summary.rejected,
         summary.tracks,
-        tracker.alive().len(),
+        tracker.tracks().len(),
         summary.tracker_ns as f64 / 1e9,
     )?;
     Ok(ExitCode::SUCCESS)

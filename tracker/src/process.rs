@@ -14,7 +14,7 @@ use common::time::monotonic_ns;
 use common::topic::Topic;
 use common::tracks::{MAX_TRACKS, Track, TracksHeader};
 
-use crate::{Taken, Tracker};
+use crate::{Processed, Tracker};
 
 /// Name of the process.
 pub const NAME: &str = "tracker";
@@ -43,8 +43,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             && let Some(message) = plots.receive()?
         {
             let received_ns = monotonic_ns();
-            let taken = tracker.take(message.header(), message.elements(), &mut tracks);
-            let mut header = header_of(message.header(), &taken, reporter.health.messages_out, received_ns);
+            let processed = tracker.process_plots(message.header(), message.elements(), &mut tracks);
+            let mut header = header_of(message.header(), &processed, reporter.health.messages_out, received_ns);
             keep_what_fits(&mut tracks, &mut header);
             let published = publisher.publish(&header, &tracks, |header| {
                 header.session = session;
@@ -52,7 +52,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             });
             published.context("publishing tracks")?;
 
-            rejected.add(&taken.rejected);
+            rejected.add(&processed.rejected);
             rejected.count_many(Reject::Full, header.left_out.into());
             let health = &mut reporter.health;
             plots_of_scan += message.elements().len() as u32;
@@ -62,8 +62,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             health.scan = header.scan;
             health.messages_out += 1;
             health.elements_out += tracks.len() as u64;
-            health.tracks = taken.alive;
-            health.confirmed = taken.confirmed;
+            health.tracks = processed.alive;
+            health.confirmed = processed.confirmed;
             health.ended = u32::from(header.has(END_OF_STREAM));
             if health.ended == 1 {
                 break;
@@ -85,7 +85,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
 
 /// Header of the tracks that the plots under `plots` have brought up to date, after
 /// `taken_before` other messages of this session.
-pub fn header_of(plots: &PlotsHeader, taken: &Taken, taken_before: u64, received_ns: u64) -> TracksHeader {
+pub fn header_of(plots: &PlotsHeader, processed: &Processed, taken_before: u64, received_ns: u64) -> TracksHeader {
     let mut stamps = plots.stamps;
     stamps.tracker_in_ns = received_ns;
     TracksHeader {
@@ -104,9 +104,9 @@ pub fn header_of(plots: &PlotsHeader, taken: &Taken, taken_before: u64, received
         sector: plots.sector,
         sectors_per_scan: plots.sectors_per_scan,
         flags: plots.flags & (END_OF_SCAN | END_OF_STREAM),
-        alive: taken.alive,
-        confirmed: taken.confirmed,
-        rejected: taken.rejected.total() as u32,
+        alive: processed.alive,
+        confirmed: processed.confirmed,
+        rejected: processed.rejected.total() as u32,
         source_id: plots.source_id,
         ..TracksHeader::default()
     }

@@ -42,7 +42,7 @@ pub fn replay<W: Write>(
     for message in messages {
         let Recorded::Plots(header, plots) = message? else { continue };
         let begin_ns = monotonic_ns();
-        let taken = tracker.take(&header, &plots, &mut tracks);
+        let taken = tracker.process_plots(&header, &plots, &mut tracks);
         summary.tracker_ns += monotonic_ns() - begin_ns;
         summary.plots += plots.len() as u64;
         summary.rejected += taken.rejected.total();

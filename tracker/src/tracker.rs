@@ -2,18 +2,19 @@
 //!
 //! ```text
 //!  plots of a sector ─▶ store, ordered by beam angle
-//!  every track whose gates the beam has passed: gate ─▶ associate ─▶ update ─▶ existence ─▶ predict its next passage
-//!                                               └─ up to eight at once ─┘
+//!  every track whose gates the beam has passed, up to eight at once:
+//!      gate ─▶ associate ─▶ update ─▶ existence ─▶ predict its next detection opportunity
 //!  every plot that no confirmed track can still claim: clutter map, pair with last turn ─▶ tentative track
 //! ```
 //!
-//! A track is processed once per passage of the beam, as soon as the upper azimuth edge of its gates is
-//! covered. All angles are unwrapped ([`crate::sweep`]), so north is no special place. Nothing here
+//! A track is processed once per pass of the beam, as soon as the upper azimuth edge of its gates is
+//! covered. All angles are unwrapped ([`crate::beam::sweep`]), so north is no special place. Nothing here
 //! depends on the time of day, on threads or on the order of plots in a message.
 
 mod births;
 mod duplicates;
-mod passages;
+mod forecast;
+mod updates;
 
 use common::config::{ConfigError, TrackerConfig};
 use common::health::{Reject, Rejected};
@@ -21,25 +22,24 @@ use common::message::END_OF_STREAM;
 use common::plots::{Plot, PlotsHeader};
 use common::tracks::{TERMINATED, Track};
 
-use crate::agenda::Agenda;
 use crate::association::Rules;
-use crate::initiation::Reach;
-use crate::measurement::Measurement;
-use crate::plot_store::{Entry, PlotStore};
-use crate::roster::{Handle, Roster};
-use crate::site::{self, Site};
-use crate::sweep::{Continuation, Sweep};
-use births::Earlier;
-use passages::Passages;
-
-/// Association weight with a confirmed track from which a plot starts no new one and is no evidence for a tentative one.
-const EXPLAINED: f64 = 0.2;
-/// A plot this far behind what has been processed may still be used, cells of azimuth: interpolation moves plots a little.
-const LATE_CELLS: f64 = 2.0;
+use crate::beam::agenda::Agenda;
+use crate::beam::sweep::{Continuation, Sweep};
+use crate::constants::LATE_CELLS;
+use crate::environment::{self, Environment};
+use crate::filter::{Machine, layout_of};
+use crate::plots::measurement::Measurement;
+use crate::plots::store::{Entry, PlotStore};
+use crate::tracks::handle::Handle;
+use crate::tracks::initiation::PairLimits;
+use crate::tracks::store::TrackStore;
+use births::Births;
+use forecast::Forecast;
+use updates::Updates;
 
 /// What became of one message.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-pub struct Taken {
+pub struct Processed {
     /// Input that was not used, by reason.
     pub rejected: Rejected,
     /// Tracks alive, of any state.
@@ -53,19 +53,21 @@ pub struct Taken {
 pub struct Tracker {
     config: TrackerConfig,
     rules: Rules,
-    reach: Reach,
+    limits: PairLimits,
     sweep: Sweep,
     plots: PlotStore,
-    site: Option<Site>,
-    tracks: Roster,
+    machine: Machine,
+    environment: Option<Environment>,
+    tracks: TrackStore,
     agenda: Agenda,
     next_id: u64,
     /// Of the tracks, those that are confirmed or coasting.
     confirmed: u32,
     /// Places of the tracks that this message has ended, reused.
     ended: Vec<usize>,
-    passages: Passages,
-    earlier: Earlier,
+    updates: Updates,
+    forecast: Forecast,
+    births: Births,
 }
 
 impl Tracker {
@@ -75,72 +77,73 @@ impl Tracker {
     /// [`ConfigError`] if a value is out of range.
     pub fn new(config: &TrackerConfig, first_id: u64) -> Result<Self, ConfigError> {
         config.check()?;
+        let (layout, rules) = (layout_of(config.estimator), Rules::new(config));
         Ok(Self {
             config: config.clone(),
-            rules: Rules::new(config),
-            reach: Reach { speed_mps: config.start_speed_mps, acceleration_mps2: config.manoeuvre_noise_mps3 },
+            rules,
+            limits: PairLimits { speed_mps: config.start_speed_mps, acceleration_mps2: config.manoeuvre_noise_mps3 },
             sweep: Sweep::default(),
             plots: PlotStore::default(),
-            site: None,
-            tracks: Roster::default(),
+            machine: Machine::default(),
+            environment: None,
+            tracks: TrackStore::new(&layout),
             agenda: Agenda::default(),
             next_id: first_id,
             confirmed: 0,
             ended: Vec::with_capacity(256),
-            passages: Passages::default(),
-            earlier: Earlier::default(),
+            updates: Updates::new(&layout, rules.inflation),
+            forecast: Forecast::new(&layout),
+            births: Births::new(&layout),
         })
     }
 
-    /// Updates tracks one by one, never in groups, to compare.
+    /// With other instructions than the machine's best, to compare.
     #[must_use]
-    pub fn one_by_one(mut self) -> Self {
-        self.passages.in_groups = false;
-        self
+    pub fn on(mut self, machine: Machine) -> Self {
+        self.updates.on(machine);
+        Self { machine, ..self }
     }
 
-    /// Takes the plots of one sector and replaces `tracks` by the tracks that it brought up to date:
+    /// Processes the plots of one sector and replaces `tracks` by the tracks that it brought up to date:
     /// processed, started, or ended (once, as `TERMINATED`).
-    pub fn take(&mut self, header: &PlotsHeader, plots: &[Plot], tracks: &mut Vec<Track>) -> Taken {
-        let mut taken = Taken::default();
+    pub fn process_plots(&mut self, header: &PlotsHeader, plots: &[Plot], tracks: &mut Vec<Track>) -> Processed {
+        let mut processed = Processed::default();
         tracks.clear();
-        if !site::is_possible(header) {
-            taken.rejected.count(Reject::BadHeader);
-            return self.counted(taken);
+        if !environment::is_possible(header) {
+            processed.rejected.count(Reject::BadHeader);
+            return self.counted(processed);
         }
         match self.sweep.advance(header) {
             Continuation::Onwards => {}
             Continuation::Late => {
                 for _ in plots {
-                    taken.rejected.count(Reject::Late);
+                    processed.rejected.count(Reject::Late);
                 }
-                return self.counted(taken);
+                return self.counted(processed);
             }
             Continuation::Anew => {
                 self.plots.clear();
                 self.end_all(tracks);
             }
         }
-        // Taken out, so that tracks and site can be borrowed side by side.
-        let mut site = match self.site.take() {
-            Some(site) if site.is_described_by(header) => site,
-            _ => Site::new(header, &self.config),
+        // Out of the tracker, so that both can be borrowed side by side.
+        let mut environment = match self.environment.take() {
+            Some(environment) if environment.is_described_by(header) => environment,
+            _ => Environment::new(header, &self.config, self.machine),
         };
         for (index, plot) in plots.iter().enumerate() {
             if let Err(reason) = self.store(header, index, plot) {
-                taken.rejected.count(reason);
+                processed.rejected.count(reason);
             }
         }
         self.plots.sort();
         let covered_rad = self.sweep.covered_to_rad();
-        self.process_due(covered_rad, header.has(END_OF_STREAM), &site, tracks);
-        self.start_tracks(covered_rad, &mut site, tracks);
+        self.update_due(covered_rad, header.has(END_OF_STREAM), &environment, tracks);
+        self.start_tracks(covered_rad, &mut environment, tracks);
         self.plots.drop_before(covered_rad);
-        for place in self.ended.drain(..) {
-            self.tracks.free(place);
-        }
-        self.site = Some(site);
-        self.counted(taken)
+        self.free_ended();
+        self.environment = Some(environment);
+        self.counted(processed)
     }
 
     /// Keeps a plot at the angle of the beam, or says why not.
@@ -154,27 +157,27 @@ impl Tracker {
         Ok(())
     }
 
-    /// Tracks alive.
-    pub fn alive(&self) -> &Roster {
+    /// The track store.
+    pub fn tracks(&self) -> &TrackStore {
         &self.tracks
     }
 
-    fn counted(&self, mut taken: Taken) -> Taken {
-        taken.alive = self.tracks.len() as u32;
-        taken.confirmed = self.confirmed;
-        taken
+    fn counted(&self, mut processed: Processed) -> Processed {
+        processed.alive = self.tracks.len() as u32;
+        processed.confirmed = self.confirmed;
+        processed
     }
 
     /// Ends every track: measurement time went back.
-    fn end_all(&mut self, tracks: &mut Vec<Track>) {
-        let places: Vec<usize> = (0..self.tracks.places()).filter(|&place| self.tracks.is_alive(place)).collect();
+    fn end_all(&mut self, messages: &mut Vec<Track>) {
+        let places: Vec<usize> = self.tracks.alive().collect();
         for place in places {
             self.end(place);
-            tracks.push(self.tracks[place].message());
+            if let Some(environment) = &self.environment {
+                self.forecast.tell(environment, &self.tracks, place, messages);
+            }
         }
-        for place in self.ended.drain(..) {
-            self.tracks.free(place);
-        }
+        self.free_ended();
         self.agenda.clear();
     }
 
@@ -183,17 +186,23 @@ impl Tracker {
         let track = &mut self.tracks[place];
         self.confirmed -= u32::from(track.life.is_confirmed());
         track.life.state = TERMINATED;
-        self.passages.rivals.forget(place);
+        self.updates.rivals.forget(place);
         self.ended.push(place);
     }
 
-    /// Ends a track and says so in `tracks`, which may hold a message of it.
-    fn end_and_tell(&mut self, place: usize, tracks: &mut Vec<Track>) {
+    fn free_ended(&mut self) {
+        for place in self.ended.drain(..) {
+            self.tracks.free(place);
+        }
+    }
+
+    /// Ends a track and says so in `messages`, which may hold one of it.
+    fn end_and_tell(&mut self, place: usize, environment: &Environment, messages: &mut Vec<Track>) {
         self.end(place);
-        let message = self.tracks[place].message();
-        match tracks.iter_mut().find(|track| track.id == message.id) {
-            Some(track) => *track = message,
-            None => tracks.push(message),
+        let id = self.tracks[place].id;
+        match messages.iter_mut().find(|message| message.id == id) {
+            Some(message) => message.state_code = TERMINATED,
+            None => self.forecast.tell(environment, &self.tracks, place, messages),
         }
     }
 

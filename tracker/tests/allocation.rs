@@ -7,12 +7,6 @@ use common::config::{Association, Clutter, GateRule, Logic, TrackerConfig};
 use harness::{FLEET, Target, Turning, messages};
 use nalgebra::Vector3;
 use tracker::Tracker;
-use tracker::batch::{Bank, Kernel, Offer, Scan};
-use tracker::gate::Radar;
-use tracker::imm::transition;
-use tracker::measurement::Measurement;
-use tracker::motion::Motion;
-use tracker::start::two_plots;
 
 const TARGETS: [Target; 2] = [
     |time_s| (Vector3::new(800.0 - 5.0 * time_s, 1500.0, 120.0), Vector3::new(-5.0, 0.0, 0.0)),
@@ -51,7 +45,7 @@ fn nothing_is_allocated(config: &TrackerConfig, targets: &[Target]) {
     let later_ns = u64::from(scans) * 1_000_000_000;
     for _ in 0..4 {
         for (header, plots) in &stream {
-            tracker.take(header, plots, &mut tracks);
+            tracker.process_plots(header, plots, &mut tracks);
             last_id = tracks.iter().map(|track| track.id).fold(last_id, u64::max);
         }
         for (header, plots) in &mut stream {
@@ -65,7 +59,7 @@ fn nothing_is_allocated(config: &TrackerConfig, targets: &[Target]) {
     let (mut alive, mut started) = (0, 0);
     let counted = measure(|| {
         for (header, plots) in &stream {
-            alive += tracker.take(header, plots, &mut tracks).alive;
+            alive += tracker.process_plots(header, plots, &mut tracks).alive;
             for track in &tracks {
                 started += u32::from(track.id > last_id);
                 last_id = last_id.max(track.id);
@@ -76,48 +70,4 @@ fn nothing_is_allocated(config: &TrackerConfig, targets: &[Target]) {
     let least = 0.8 * targets.len() as f64 * stream.len() as f64;
     assert!(f64::from(alive) >= least && started > 2, "{what}: {alive} {started}");
     assert_eq!(counted.count_total, 0, "{what}: {counted:?} in {} messages", stream.len());
-}
-
-#[test]
-fn a_bank_allocates_nothing() {
-    let sigma = [20.0, 0.0017, 0.0017, 10.0_f64];
-    let variance = sigma.map(|sigma| sigma * sigma);
-    let radar = Radar { variance, cell: sigma.map(|sigma| 3.5 * sigma), measured: [true; 4] };
-    let motion = Motion { noise: [1.0, 1.0, 7.0], axes: 3 };
-    let plots: Vec<Measurement> = (0..1000)
-        .map(|k| {
-            let place = common::geometry::Polar {
-                range_m: 2000.0 + f64::from(k),
-                azimuth_rad: 0.006 * f64::from(k),
-                elevation_rad: 0.1,
-            };
-            Measurement {
-                time_ns: 0,
-                position: place.to_enu().into(),
-                polar: [place.range_m, place.azimuth_rad, place.elevation_rad, 0.0],
-                variance,
-                power: 20.0,
-                measured: [true; 4],
-                has_power: true,
-            }
-        })
-        .collect();
-    let gains = vec![1e9; plots.len()];
-    let chain = transition(0.9, 1.0);
-    let mut bank = Bank::new(Kernel::new(motion, radar, 3.0, 0.0));
-    for plot in &plots {
-        bank.push(&two_plots(plot, plot, 1.0, &motion, [0.33, 0.34, 0.33]));
-    }
-    let mut candidates = 0;
-    let mut scan = || {
-        bank.scan(
-            &Scan { plots: &plots, gains: &gains, time_ns: 0, dt_s: 1.0, transition: &chain },
-            |_, _| Offer { threshold: 0.0, detection_probability: 0.9 },
-            |passed| candidates += passed.plots[0].len(),
-        );
-    };
-    (0..3).for_each(|_| scan());
-    let counted = measure(|| (0..10).for_each(|_| scan()));
-    assert_eq!(counted.count_total, 0, "{counted:?}");
-    assert!(candidates > 1000);
 }

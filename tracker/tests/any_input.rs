@@ -92,14 +92,14 @@ fn config() -> impl Strategy<Value = TrackerConfig> {
 
 /// Finite numbers, no variance below zero, probabilities.
 fn assert_sound(track: &Track) {
-    let numbers = track.state.iter().chain(&track.covariance).chain(&track.mode_state).chain(&track.mode_covariance);
+    let numbers = track.state.iter().chain(&track.covariance).chain(&track.model_state).chain(&track.model_covariance);
     assert!(numbers.clone().all(|number| number.is_finite()), "{track:?}");
     let rest = [track.existence, track.gate_volume, track.weight_none, track.weight_best, f64::from(track.snr_db)];
     assert!(rest.iter().all(|number| number.is_finite()), "{rest:?}");
     assert!((0.0..=1.0).contains(&track.existence) && (0.0..=1.0 + 1e-9).contains(&track.weight_none));
-    let modes: f64 = track.mode_probability.iter().sum();
+    let modes: f64 = track.model_probability.iter().sum();
     assert!((modes - 1.0).abs() < 1e-9, "{modes}");
-    for covariance in [&track.covariance, &track.mode_covariance] {
+    for covariance in [&track.covariance, &track.model_covariance] {
         assert!((0..STATE).all(|i| covariance[pack(i, i)] >= 0.0), "{track:?}");
     }
 }
@@ -108,7 +108,7 @@ fn assert_sound(track: &Track) {
 /// error of 10⁷ units in the last place, and of some more where plots are long ellipses across each other. Of the 19 million
 /// matrices of 40,000 streams 43 had an eigenvalue below −10⁻⁹, five below −10⁻⁸, and the least was −1.3·10⁻⁷.
 fn assert_definite(track: &Track) {
-    for covariance in [&track.covariance, &track.mode_covariance] {
+    for covariance in [&track.covariance, &track.model_covariance] {
         let known: Vec<usize> = (0..STATE).filter(|&i| covariance[pack(i, i)] > 0.0).collect();
         let deviation: Vec<f64> = known.iter().map(|&i| covariance[pack(i, i)].sqrt()).collect();
         let correlation = DMatrix::from_fn(known.len(), known.len(), |i, j| {
@@ -147,10 +147,10 @@ fn follow(stream: &[Message], config: &TrackerConfig, full: bool, check: impl Fn
         };
         let plots: Vec<Plot> =
             message.plots.iter().map(|plot| Plot { time_ns: plot.time_ns / 4 + start_ns, ..*plot }).collect();
-        let taken = tracker.take(&header, &plots, &mut tracks);
+        let taken = tracker.process_plots(&header, &plots, &mut tracks);
         tracks.iter().for_each(&check);
-        let confirmed = tracker.alive().iter().filter(|track| track.life.is_confirmed()).count();
-        assert_eq!((taken.alive as usize, taken.confirmed as usize), (tracker.alive().iter().count(), confirmed));
+        let confirmed = tracker.tracks().iter().filter(|track| track.life.is_confirmed()).count();
+        assert_eq!((taken.alive as usize, taken.confirmed as usize), (tracker.tracks().iter().count(), confirmed));
         seq += 1;
     }
 }

@@ -10,15 +10,16 @@ use common::random::{Purpose, generator};
 use nalgebra::{Matrix4, SMatrix, Vector3, Vector4};
 use proptest::prelude::*;
 use rand_distr::{Distribution, StandardNormal};
+use tracker::association::hypotheses::{Hypotheses, Means, Room};
+use tracker::association::one_track::OneTrack;
+use tracker::association::scan::{Choice, Member};
 use tracker::association::{FalsePlots, Rules, Surroundings};
-use tracker::gate::Radar;
-use tracker::hypotheses::{Hypotheses, Room};
-use tracker::imm::{Imm, transition};
-use tracker::measurement::{COORDINATES, LineOfSight, Measurement, position_covariance};
-use tracker::motion::{DIMENSIONS, MODES, Motion};
-use tracker::start::two_plots;
-use tracker::state::at;
-use tracker::update::{Workspace, update};
+use tracker::filter::cv::ConstantVelocity;
+use tracker::filter::gaussian::at;
+use tracker::filter::uav::Uav;
+use tracker::filter::{Filter, Machine, Mixture, TwoPlots};
+use tracker::plots::measurement::{COORDINATES, LineOfSight, Measurement, position_covariance};
+use tracker::plots::radar::Radar;
 
 const CELL: [f64; COORDINATES] = [69.3, 0.006, 0.006, 34.6];
 
@@ -38,12 +39,19 @@ fn plot(place: Polar, range_rate_mps: f64, sigma_scale: f32, statistic: f32, fla
     }
 }
 
-/// Positive definite on the states that the mode knows, up to rounding: after a mode that is certain to be at rest, the noise
+/// One filter of each family, in two or three dimensions.
+fn families(full: bool) -> [Box<dyn Filter>; 2] {
+    let axes = if full { 3 } else { 2 };
+    let uav = Uav { noise: [1.0, 1.0, 7.0], axes, stay: 0.9, start_probability: [0.33, 0.34, 0.33] };
+    [Box::new(uav), Box::new(ConstantVelocity::new(3.0, axes))]
+}
+
+/// Positive definite on the states that each component knows, up to rounding: after a mode that is certain to be at rest, the noise
 /// G Gᵀ of rank one is all there is of velocity and acceleration, so the smallest eigenvalues are zero.
-fn is_positive_definite(imm: &Imm, axes: usize) -> bool {
-    (0..MODES).all(|mode| {
-        let p = &imm.modes[mode].covariance;
-        let known: Vec<usize> = (0..DIMENSIONS[mode]).filter(|i| i % 3 < axes).collect();
+fn is_positive_definite(filter: &dyn Filter, state: Mixture<'_>, axes: usize) -> bool {
+    (0..filter.layout().len()).all(|j| {
+        let p = state.covariance(j);
+        let known: Vec<usize> = (0..filter.layout().known(j)).filter(|i| i % 3 < axes).collect();
         let n = known.len();
         let matrix =
             nalgebra::DMatrix::from_fn(n, n, |i, j| p[at(known[i], known[j])] * if i == j { 1.0 + 1e-12 } else { 1.0 });
@@ -52,10 +60,10 @@ fn is_positive_definite(imm: &Imm, axes: usize) -> bool {
 }
 
 /// A long random run: plots on and off the track, errors that differ, scans that are missed.
-fn long_run(config: &TrackerConfig, full: bool, scans: u32) {
+fn long_run(filter: Box<dyn Filter>, config: &TrackerConfig, full: bool, scans: u32) {
     let measured = [true, true, full, full];
     let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured };
-    let motion = Motion { noise: [1.0, 1.0, 7.0], axes: if full { 3 } else { 2 } };
+    let axes = if full { 3 } else { 2 };
     let rules = Rules::new(config);
     let target = Detector::new(1e-3, 32).target(Swerling::One, 30.0);
     let flags = if full { HAS_ELEVATION | HAS_RANGE_RATE | HAS_STATISTIC } else { 0 };
@@ -75,9 +83,8 @@ fn long_run(config: &TrackerConfig, full: bool, scans: u32) {
     };
     let first = draw(&position, &velocity, 1.0, 1.0);
     position += velocity;
-    let mut imm = two_plots(&first, &draw(&position, &velocity, 1.0, 1.0), 1.0, &motion, [0.33, 0.34, 0.33]);
-    let mut workspace = Workspace::default();
-    let chain = transition(0.9, 1.0);
+    let mut track = OneTrack::new(filter);
+    track.start(&TwoPlots { previous: &first, last: &draw(&position, &velocity, 1.0, 1.0), step_s: 1.0 });
     for scan in 0..scans {
         if scan % 40 == 0 {
             velocity = Vector3::new(velocity.y, -velocity.x, 0.0);
@@ -91,12 +98,14 @@ fn long_run(config: &TrackerConfig, full: bool, scans: u32) {
             detection_probability: target.detection_probability,
             target: Some(&target),
             shares: &[],
-            clutter: |_: &[f64; COORDINATES]| FalsePlots { density: 1e-9, mean_excess: 1.0 },
+            clutter: |_: &Measurement| FalsePlots { density: 1e-9, mean_excess: 1.0 },
         };
-        let prediction = imm.predict(&chain, &motion, 1.0);
-        assert!(prediction.is_sound() && is_positive_definite(&prediction, motion.axes), "prediction of scan {scan}");
-        imm = update(&prediction, 0, &plots, &surroundings, &rules, &mut workspace).posterior;
-        assert!(imm.is_sound() && is_positive_definite(&imm, motion.axes), "update of scan {scan}");
+        let is_right =
+            |track: &OneTrack| track.state().is_sound() && is_positive_definite(track.filter(), track.state(), axes);
+        track.predict(1.0);
+        assert!(is_right(&track), "prediction of scan {scan}");
+        track.update(Member { time_ns: 0, plots: &plots, surroundings }, &radar, &rules);
+        assert!(is_right(&track), "update of scan {scan}");
     }
 }
 
@@ -105,11 +114,17 @@ fn covariances_stay_positive_definite_over_long_runs() {
     let default = TrackerConfig::default();
     for association in [Association::PdaStatistics, Association::Pda, Association::Nearest, Association::Strongest] {
         for full in [true, false] {
-            long_run(&TrackerConfig { association, ..default.clone() }, full, 20_000);
+            for filter in families(full) {
+                long_run(filter, &TrackerConfig { association, ..default.clone() }, full, 20_000);
+            }
         }
     }
-    long_run(&TrackerConfig { gate_rule: GateRule::Union, ..default.clone() }, true, 20_000);
-    long_run(&TrackerConfig { range_rate_inflation: 0.8, ..default }, true, 20_000);
+    for filter in families(true) {
+        long_run(filter, &TrackerConfig { gate_rule: GateRule::MostProbable, ..default.clone() }, true, 20_000);
+    }
+    for filter in families(true) {
+        long_run(filter, &TrackerConfig { range_rate_inflation: 0.8, ..default.clone() }, true, 20_000);
+    }
 }
 
 proptest! {
@@ -129,26 +144,26 @@ proptest! {
             .collect();
         prop_assume!(plots.len() >= 2);
         let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured: [true; COORDINATES] };
-        let motion = Motion { noise: [1.0, 1.0, 7.0], axes: 3 };
         let rules = Rules::new(&TrackerConfig::default());
         let target = Detector::new(1e-6, 16).target(Swerling::Three, 300.0);
-        let mut imm = two_plots(&plots[0], &plots[1], step_s, &motion, [0.33, 0.34, 0.33]);
-        let mut workspace = Workspace::default();
-        for _ in 0..4 {
-            let surroundings = Surroundings {
-                radar: &radar,
-                detection_probability: target.detection_probability,
-                target: Some(&target),
-                shares: &[],
-                clutter: |_: &[f64; COORDINATES]| FalsePlots { density, mean_excess: 2.0 },
-            };
-            let prediction = imm.predict(&transition(0.9, step_s), &motion, step_s);
-            let outcome = update(&prediction, 0, &plots, &surroundings, &rules, &mut workspace);
-            let sum: f64 = outcome.posterior.probability.iter().sum();
-            prop_assert!((sum - 1.0).abs() < 1e-9);
-            prop_assert!(outcome.posterior.modes.iter().flat_map(|mode| mode.mean.iter().chain(&mode.covariance)).all(|x| x.is_finite()));
-            prop_assert!(!outcome.existence_ratio.is_nan() && !outcome.weight_none.is_nan());
-            imm = outcome.posterior;
+        for filter in families(true) {
+            let mut track = OneTrack::new(filter);
+            track.start(&TwoPlots { previous: &plots[0], last: &plots[1], step_s });
+            for _ in 0..4 {
+                let surroundings = Surroundings {
+                    radar: &radar,
+                    detection_probability: target.detection_probability,
+                    target: Some(&target),
+                    shares: &[],
+                    clutter: |_: &Measurement| FalsePlots { density, mean_excess: 2.0 },
+                };
+                track.predict(step_s);
+                let outcome = track.update(Member { time_ns: 0, plots: &plots, surroundings }, &radar, &rules);
+                let sum: f64 = track.state().weights().iter().sum();
+                prop_assert!((sum - 1.0).abs() < 1e-9);
+                prop_assert!(track.words().iter().all(|x| x.is_finite()));
+                prop_assert!(!outcome.existence_ratio.is_nan() && !outcome.weight_none.is_nan());
+            }
         }
     }
 }
@@ -190,13 +205,16 @@ proptest! {
         let start = converted(&start);
         prop_assume!(start.len() == 2);
         let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured: [true; COORDINATES] };
-        let motion = Motion { noise: [1.0, 1.0, 7.0], axes: 3 };
         let rules = Rules { association: Association::Mht, ..Rules::new(&TrackerConfig::default()) };
         let target = Detector::new(1e-6, 16).target(Swerling::One, 300.0);
-        let first = two_plots(&start[0], &start[1], step_s, &motion, [0.33, 0.34, 0.33]);
-        prop_assume!(first.is_sound());
-        let (mut workspace, mut room) = (Workspace::default(), Room::default());
-        let mut hypotheses = Hypotheses::new(&first, 6);
+        for filter in families(true) {
+        let layout = *filter.layout();
+        let mut first = vec![0.0; layout.words()];
+        filter.start(&TwoPlots { previous: &start[0], last: &start[1], step_s }, &mut first);
+        prop_assume!(Mixture::new(&layout, &first).is_sound());
+        let means = Means { filter: filter.as_ref(), machine: Machine::default(), rules: &rules };
+        let (mut choice, mut room) = (Choice::default(), Room::new(&layout));
+        let mut hypotheses = Hypotheses::new(&layout, &first, 6);
         for plots in &scans {
             let plots = converted(plots);
             let shares = vec![share; plots.len()];
@@ -205,20 +223,21 @@ proptest! {
                 detection_probability: target.detection_probability,
                 target: Some(&target),
                 shares: &shares,
-                clutter: |_: &[f64; COORDINATES]| FalsePlots { density, mean_excess: 2.0 },
+                clutter: |_: &Measurement| FalsePlots { density, mean_excess: 2.0 },
             };
-            hypotheses.predict(&transition(0.9, step_s), &motion, step_s);
-            prop_assume!(hypotheses.filters().all(Imm::is_sound));
-            let outcome = hypotheses.update(0, &plots, &surroundings, &rules, &mut workspace, &mut room);
+            hypotheses.predict(means, step_s, &mut room);
+            prop_assume!(hypotheses.states(&layout).all(|state| state.is_sound()));
+            let outcome = hypotheses.update(means, 0, &plots, &surroundings, &mut room, &mut choice);
             prop_assert!(!hypotheses.is_empty() && hypotheses.len() <= 6);
-            for imm in hypotheses.filters().chain([&outcome.posterior]) {
-                prop_assert!(imm.is_sound(), "{imm:?}");
+            for state in hypotheses.states(&layout).chain([Mixture::new(&layout, room.posterior())]) {
+                prop_assert!(state.is_sound(), "{state:?}");
             }
             prop_assert!((0.0..=1.0 + 1e-9).contains(&outcome.weight_none), "{}", outcome.weight_none);
-            let sum: f64 = workspace.weights.iter().map(|weight| weight[0]).sum();
+            let sum: f64 = choice.weights.iter().sum();
             prop_assert!((sum + outcome.weight_none - 1.0).abs() < 1e-9, "{sum} {}", outcome.weight_none);
             prop_assert!(!outcome.existence_ratio.is_nan() && outcome.existence_ratio >= 0.0);
             prop_assert!(!outcome.ratio_alone.is_nan());
+        }
         }
     }
 }

@@ -6,20 +6,21 @@
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
-use common::amplitude::Detector;
+use common::amplitude::{Detector, TargetStatistics};
 use common::config::{Association, Clutter, GateRule, Swerling};
 use common::geometry::Polar;
 use common::tracks;
 use nalgebra::{SMatrix, SVector};
 use serde_json::Value;
+use tracker::association::gate::{Gate, own_probability};
+use tracker::association::one_track::OneTrack;
+use tracker::association::scan::Member;
 use tracker::association::{FalsePlots, Rules, Surroundings};
-use tracker::gate::{Gate, Radar, own_probability};
-use tracker::imm::Imm;
-use tracker::measurement::{COORDINATES, Expected, LineOfSight, Measurement, position_covariance};
-use tracker::motion::{MANOEUVRE, MODES, Motion};
-use tracker::start;
-use tracker::state::{Gaussian, at};
-use tracker::update::{Workspace, update};
+use tracker::filter::gaussian::{Gaussian, at};
+use tracker::filter::uav::{CONSTANT_VELOCITY, MANOEUVRE, MODES, Uav};
+use tracker::filter::{Expectation, Filter, Group, Machine, Mixture, TwoPlots, expect};
+use tracker::plots::measurement::{COORDINATES, LineOfSight, Measurement, position_covariance};
+use tracker::plots::radar::Radar;
 
 const STATE: usize = 9;
 /// Our axis (east, north, up) of each axis of the files.
@@ -111,12 +112,16 @@ impl Check {
         }
     }
 
-    fn same_imm(&self, what: &str, ours: &Imm, golden: &Value) {
+    fn same_state(&self, what: &str, filter: &Uav, ours: Mixture<'_>, golden: &Value) {
         for j in 0..MODES {
-            self.same_gaussian(&format!("{what} mode {j}"), &ours.modes[j], &golden["u"][j], &golden["P"][j]);
+            let mut mode = ours.gaussian(j);
+            filter.complete(ours, Some(j), &mut mode);
+            self.same_gaussian(&format!("{what} mode {j}"), &mode, &golden["u"][j], &golden["P"][j]);
         }
-        self.all_close(&format!("{what} W"), &ours.probability, &golden["W"]);
-        self.same_gaussian(&format!("{what} mixture"), &ours.mixture(), &golden["mean"], &golden["cov"]);
+        self.all_close(&format!("{what} W"), ours.weights(), &golden["W"]);
+        let mut all = ours.moments();
+        filter.complete(ours, None, &mut all);
+        self.same_gaussian(&format!("{what} mixture"), &all, &golden["mean"], &golden["cov"]);
     }
 
     fn measurement_covariance(&self, case: &Value) {
@@ -144,19 +149,25 @@ impl Check {
         let radar = radar(&case["cfg"]);
         for k in 0..array(&case["in"]["u"]).len() {
             let gaussian = gaussian(&case["in"]["u"][k], &case["in"]["P"][k]);
-            let expected = Expected::new(MANOEUVRE, &gaussian);
-            let p = expected.position;
-            self.all_close("h", &[p[1], p[0], p[2], expected.range_rate], &case["out"]["h"][k]);
+            let (filter, mut modes) = (filter(None), vec![Gaussian::ZERO; MODES]);
+            modes[MANOEUVRE] = gaussian;
+            let mut group = Group::new(filter.layout());
+            group.load(0, &state(&filter, &modes, &[0.0, 0.0, 1.0]));
+            let mut expected = Vec::new();
+            expect(Machine::default(), 1, &radar, 1.0, &group, &mut expected);
+            let expected: &Expectation = &expected[MANOEUVRE];
+            let p = gaussian.position();
+            self.all_close("h", &[p[1], p[0], p[2], expected.centre[3].0[0]], &case["out"]["h"][k]);
             let mut rows = [[0.0; STATE]; COORDINATES];
             for axis in 0..3 {
                 rows[axis][3 * axis] = 1.0;
-                rows[3][3 * axis] = expected.range_rate_gradient[AXIS[axis]];
-                rows[3][3 * axis + 1] = expected.frame.radial[AXIS[axis]];
+                rows[3][3 * axis] = expected.gradient[AXIS[axis]].0[0];
+                rows[3][3 * axis + 1] = expected.radial[AXIS[axis]].0[0];
             }
             for (i, row) in rows.iter().enumerate() {
                 self.all_close(&format!("H row {i}"), row, &case["out"]["H"][k][i]);
             }
-            let gate = Gate::new(&expected, &radar, 1.0);
+            let gate = Gate::new(expected, 0, 1.0);
             self.gate_centre(&gate, &case["out"]["centre"][k]);
             self.all_close("innovation sd", &gate.half, &case["out"]["innov_sd"][k]);
         }
@@ -173,9 +184,11 @@ impl Check {
         let cfg = &case["cfg"];
         let previous = measurement(&case["in"]["plot_prev"], cfg);
         let last = measurement(&case["in"]["plot_last"], cfg);
-        let probability = numbers(&cfg["W0"]).try_into().expect("three modes");
-        let imm = start::two_plots(&previous, &last, number(&cfg["T"]), &motion(cfg), probability);
-        self.same_imm("start", &imm, &case["out"]);
+        let mut filter = filter(Some(cfg));
+        filter.start_probability = numbers(&cfg["W0"]).try_into().expect("three modes");
+        let mut state = vec![0.0; filter.layout().words()];
+        filter.start(&TwoPlots { previous: &previous, last: &last, step_s: number(&cfg["T"]) }, &mut state);
+        self.same_state("start", &filter, Mixture::new(filter.layout(), &state), &case["out"]);
     }
 
     fn amplitude(&self, case: &Value) {
@@ -192,14 +205,16 @@ impl Check {
 
     fn scan(&self, case: &Value) {
         let (cfg, input, output) = (&case["cfg"], &case["in"], &case["out"]);
-        let before = Imm {
-            modes: std::array::from_fn(|j| gaussian(&input["u"][j], &input["P"][j])),
-            probability: numbers(&input["W"]).try_into().expect("three modes"),
-        };
-        let step_s = number(&cfg["T"]);
-        let transition = std::array::from_fn(|i| numbers(&cfg["Pi"][i]).try_into().expect("three modes"));
-        let prediction = before.predict(&transition, &motion(cfg), step_s);
-        self.same_imm("predicted", &prediction, &output["predicted"]);
+        let filter = filter(Some(cfg));
+        for (i, row) in array(&cfg["Pi"]).iter().enumerate() {
+            let stays = |j: usize| if i == j { filter.stay } else { 0.5 * (1.0 - filter.stay) };
+            self.all_close("Π", &[stays(0), stays(1), stays(2)], row);
+        }
+        let modes: Vec<Gaussian> = (0..MODES).map(|j| gaussian(&input["u"][j], &input["P"][j])).collect();
+        let mut track = OneTrack::new(Box::new(filter));
+        track.set(&state(&filter, &modes, &numbers(&input["W"])));
+        track.predict(number(&cfg["T"]));
+        self.same_state("predicted", &filter, track.state(), &output["predicted"]);
 
         let radar = radar(cfg);
         let rules = rules(cfg, &input["method"]);
@@ -209,28 +224,28 @@ impl Check {
         let plots: Vec<Measurement> = array(&input["plots"]).iter().map(|plot| measurement(plot, cfg)).collect();
         let pfa = number(&input["F"]);
         let target = Detector::new(pfa, 0).target(swerling(&cfg["swerling"]), number(&input["snr"]));
-        // The files take one density for the whole gate, that at its centre, which is asked for first.
-        let at_centre = Cell::new(None);
+        // The files take one density for the whole gate, that at its centre: of a first update only the gate counts.
         let cells: f64 = radar.cell.iter().product();
-        let clutter = |polar: &[f64; COORDINATES]| {
-            let value = at_centre.get().unwrap_or(pfa / cells / (polar[0] * polar[0] * polar[2].cos()));
-            at_centre.set(Some(value));
-            FalsePlots { density: value, mean_excess: 0.0 }
-        };
+        let density = Cell::new(1.0);
         let surroundings = Surroundings {
             radar: &radar,
             detection_probability: target.detection_probability,
             target: Some(&target),
             shares: &[],
-            clutter,
+            clutter: |_: &Measurement| FalsePlots { density: density.get(), mean_excess: 0.0 },
         };
-        let mut workspace = Workspace::default();
-        let outcome = update(&prediction, 0, &plots, &surroundings, &rules, &mut workspace);
+        let prediction = track.words().to_vec();
+        let member = || Member { time_ns: 0, plots: &plots, surroundings };
+        let centre = track.update(member(), &radar, &rules).selection.gate.centre;
+        density.set(pfa / cells / (centre[0] * centre[0] * centre[2].cos()));
+        track.set(&prediction);
+        let outcome = track.update(member(), &radar, &rules);
+        let (weights, choice) = (&track.scan.update.weights, &track.scan.choices[0]);
 
         let golden = &output["assoc"];
         let selection = &outcome.selection;
         if let Some(mode) = golden["gate_model"].as_u64() {
-            assert_eq!(selection.mode as u64, mode, "{}: gate model", self.file);
+            assert_eq!(selection.component as u64, mode, "{}: gate model", self.file);
         }
         if golden["gate_centre"].is_array() {
             self.gate_centre(&selection.gate, &golden["gate_centre"]);
@@ -251,22 +266,69 @@ impl Check {
             self.all_close("λ", &ours, &golden["amp_lr_in_gate"]);
         }
         if golden["weights"].is_array() {
-            let chosen: Vec<f64> = workspace.candidates.iter().map(|candidate| candidate.plot as f64).collect();
+            let chosen: Vec<f64> = choice.candidates.iter().map(|candidate| candidate.plot as f64).collect();
             self.all_close("in gate", &chosen, &golden["in_gate"]);
             for j in 0..MODES {
-                let mut ours = vec![outcome.mode_none[j]];
-                ours.extend(workspace.weights.iter().map(|weight| weight[j]));
+                let mut ours = vec![weights.none[j].0[0]];
+                ours.extend((0..choice.candidates.len()).map(|m| weights.plots[m * MODES + j].0[0]));
                 self.all_close(&format!("weights of mode {j}"), &ours, &golden["weights"][j]);
             }
         }
         if let Some(chosen) = golden["chosen"].as_u64() {
-            assert_eq!(outcome.best.map(|(plot, _)| plot as u64), Some(chosen), "{}: chosen", self.file);
+            assert_eq!(choice.best().map(|(plot, _)| plot as u64), Some(chosen), "{}: chosen", self.file);
         }
         if golden["L"].is_array() {
-            self.all_close("L", &outcome.mode_likelihood, &golden["L"]);
+            let density = if rules.clutter == Clutter::Parametric {
+                density.get()
+            } else {
+                outcome.plots_in_gate as f64 / selection.volume
+            };
+            self.all_close(
+                "L",
+                &self.likelihoods(&track, &rules, outcome.plots_in_gate, density, &target),
+                &golden["L"],
+            );
         }
-        self.same_imm("updated", &outcome.posterior, &output["updated"]);
+        self.same_state("updated", &filter, track.state(), &output["updated"]);
     }
+
+    /// L_j in the files' terms: over D/ρ_c where there are plots, and the density of the one plot of a hard decision.
+    fn likelihoods(
+        &self,
+        track: &OneTrack,
+        rules: &Rules,
+        plots_in_gate: usize,
+        density: f64,
+        target: &TargetStatistics,
+    ) -> Vec<f64> {
+        let update = &track.scan.update;
+        let of = |j: usize| {
+            let ours = update.weights.likelihood[j].0[0];
+            if plots_in_gate == 0 {
+                ours
+            } else if rules.association.decides() {
+                update.densities.ln(0, j, 0).exp()
+            } else {
+                ours * density / target.detection_probability
+            }
+        };
+        (0..MODES).map(of).collect()
+    }
+}
+
+/// The state of these modes; what the near-constant-velocity mode says of acceleration is the memory.
+fn state(filter: &Uav, modes: &[Gaussian], weights: &[f64]) -> Vec<f64> {
+    let layout = filter.layout();
+    let mut words = vec![0.0; layout.words()];
+    words[..MODES].copy_from_slice(weights);
+    for (j, mode) in modes.iter().enumerate() {
+        let n = layout.known(j);
+        let (mean, covariance) = words[layout.start(j)..].split_at_mut(n);
+        mean.copy_from_slice(&mode.mean[..n]);
+        covariance[..n * (n + 1) / 2].copy_from_slice(&mode.covariance[..n * (n + 1) / 2]);
+    }
+    words[layout.memory_start()] = modes[CONSTANT_VELOCITY].covariance[at(6, 6)];
+    words
 }
 
 /// Where element `i` of the files' state stands in the order of messages.
@@ -293,6 +355,7 @@ fn measurement(plot: &Value, cfg: &Value) -> Measurement {
         time_ns: 0,
         position: place.to_enu().into(),
         polar: [plot[0], plot[1], plot[2], plot[3]],
+        cos_elevation: plot[2].cos(),
         variance: std::array::from_fn(|i| sigma[i] * sigma[i]),
         power: plot.get(4).copied().unwrap_or(0.0),
         measured: [true; COORDINATES],
@@ -309,14 +372,16 @@ fn radar(cfg: &Value) -> Radar {
     }
 }
 
-fn motion(cfg: &Value) -> Motion {
-    Motion { noise: numbers(&cfg["a"]).try_into().expect("three modes"), axes: 3 }
+fn filter(cfg: Option<&Value>) -> Uav {
+    let noise = cfg.map_or([1.0; MODES], |cfg| numbers(&cfg["a"]).try_into().expect("three modes"));
+    let stay = cfg.and_then(|cfg| cfg["Pi"][0][0].as_f64()).unwrap_or(0.9);
+    Uav { noise, axes: 3, stay, start_probability: [0.33, 0.34, 0.33] }
 }
 
 fn rules(cfg: &Value, method: &Value) -> Rules {
     let gate_rule = match cfg.get("gate_rule").and_then(Value::as_str) {
         None | Some("most-probable" | "max") => GateRule::MostProbable,
-        Some("manoeuvre") => GateRule::Manoeuvre,
+        Some("manoeuvre") => GateRule::Widest,
         Some("union") => GateRule::Union,
         Some(other) => panic!("unknown gate rule {other}"),
     };

@@ -10,8 +10,9 @@ use common::plots::{Plot, PlotsHeader};
 use common::tracks::{STATE, TERMINATED, Track, pack};
 use harness::{EPOCH_NS, FLEET, SECTORS, Target, Turning, messages};
 use nalgebra::Vector3;
+use pulp::Arch;
 use tracker::Tracker;
-use tracker::track::LiveTrack;
+use tracker::filter::Machine;
 
 type Stream = Vec<(PlotsHeader, Vec<Plot>)>;
 
@@ -25,7 +26,7 @@ fn follow(mut tracker: Tracker, stream: &Stream) -> Vec<Vec<Track>> {
     stream
         .iter()
         .map(|(header, plots)| {
-            tracker.take(header, plots, &mut tracks);
+            tracker.process_plots(header, plots, &mut tracks);
             tracks.clone()
         })
         .collect()
@@ -111,7 +112,7 @@ fn targets_among_false_plots_and_nothing_else() {
 fn every_rule_and_the_planar_radar_hold_their_target() {
     let default = TrackerConfig::default();
     let variants = [
-        TrackerConfig { gate_rule: GateRule::Manoeuvre, ..default.clone() },
+        TrackerConfig { gate_rule: GateRule::Widest, ..default.clone() },
         TrackerConfig { gate_rule: GateRule::Union, ..default.clone() },
         TrackerConfig { association: Association::Pda, ..default.clone() },
         TrackerConfig { association: Association::Nearest, ..default.clone() },
@@ -165,9 +166,9 @@ fn the_order_of_plots_in_a_message_does_not_matter_and_runs_repeat() {
     }
 }
 
-/// Pairs that share their plots included.
+/// One lane after the other or eight at once, pairs that share their plots included.
 #[test]
-fn tracks_updated_in_groups_are_those_updated_one_by_one() {
+fn tracks_are_the_same_whatever_the_width_of_vectors() {
     let radar = Turning { fluctuates: true, snr: 300.0, false_plots: 200, ..Turning::default() };
     let stream = messages(radar, &FLEET, 60);
     let default = TrackerConfig::default();
@@ -179,7 +180,7 @@ fn tracks_updated_in_groups_are_those_updated_one_by_one() {
     ];
     for config in variants {
         let tracker = || Tracker::new(&config, 1).expect("valid");
-        let (grouped, single) = (follow(tracker(), &stream), follow(tracker().one_by_one(), &stream));
+        let (grouped, single) = (follow(tracker(), &stream), follow(tracker().on(Machine::on(Arch::Scalar)), &stream));
         let confirmed = |tracks: &Vec<Track>| tracks.iter().filter(|track| track.is_confirmed()).count();
         assert!(grouped.iter().any(|tracks| confirmed(tracks) > 20), "{config:?}");
         assert_eq!(
@@ -221,14 +222,14 @@ fn late_lost_and_impossible_input_is_survived() {
         if index % 50 == 7 || (20 * 32..25 * 32).contains(&index) {
             continue;
         }
-        let taken = tracker.take(header, plots, &mut tracks);
+        let taken = tracker.process_plots(header, plots, &mut tracks);
         bad += taken.rejected.of(Reject::BadPlot);
         for track in tracks.iter().filter(|track| track.is_confirmed()) {
             *confirmed.entry(track.id).or_insert(0) += 1;
         }
         if index == 100 {
             late = tracker
-                .take(header, &[plots.as_slice(), &[Plot::default()]].concat(), &mut tracks)
+                .process_plots(header, &[plots.as_slice(), &[Plot::default()]].concat(), &mut tracks)
                 .rejected
                 .of(Reject::Late);
             assert!(tracks.is_empty());
@@ -237,7 +238,7 @@ fn late_lost_and_impossible_input_is_survived() {
     assert_eq!((bad, late), (1, 1 + stream[100].1.len() as u64));
     assert_eq!(confirmed.len(), 1, "{confirmed:?}");
     let broken = PlotsHeader { scan_period_s: f64::NAN, ..stream[0].0 };
-    assert_eq!(tracker.take(&broken, &[], &mut tracks).rejected.of(Reject::BadHeader), 1);
+    assert_eq!(tracker.process_plots(&broken, &[], &mut tracks).rejected.of(Reject::BadHeader), 1);
 }
 
 #[test]
@@ -253,13 +254,13 @@ fn a_new_session_keeps_the_tracks_and_time_going_back_ends_them() {
         } else {
             *header
         };
-        tracker.take(&header, plots, &mut tracks);
+        tracker.process_plots(&header, plots, &mut tracks);
     }
-    let alive = tracker.alive().iter().find(|track| track.life.is_confirmed()).expect("kept");
+    let alive = tracker.tracks().iter().find(|track| track.life.is_confirmed()).expect("kept");
     assert!(alive.life.age >= 38 && alive.life.hits >= 38, "{:?}", alive.life);
-    tracker.take(&PlotsHeader { session: 3, ..stream[0].0 }, &[], &mut tracks);
+    tracker.process_plots(&PlotsHeader { session: 3, ..stream[0].0 }, &[], &mut tracks);
     assert!(!tracks.is_empty() && tracks.iter().all(|track| track.state_code == TERMINATED));
-    assert!(tracker.alive().is_empty());
+    assert!(tracker.tracks().is_empty());
 }
 
 #[test]
@@ -348,18 +349,20 @@ fn strong_targets_among_many_false_plots_keep_one_track_each() {
             let mut tracker = Tracker::new(&TrackerConfig::default(), 1).expect("valid");
             let (mut tracks, mut ids) = (Vec::new(), BTreeSet::new());
             for (header, plots) in &stream {
-                tracker.take(header, plots, &mut tracks);
+                tracker.process_plots(header, plots, &mut tracks);
                 ids.extend(tracks.iter().filter(|track| track.is_confirmed()).map(|track| track.id));
             }
-            let confirmed: Vec<_> = tracker.alive().iter().filter(|track| track.life.is_confirmed()).collect();
+            let store = tracker.tracks();
+            let confirmed: Vec<usize> = store.alive().filter(|&place| store[place].life.is_confirmed()).collect();
             let case = format!("{} targets, {snr_db} dB, seed {seed}", targets.len());
             assert_eq!(confirmed.len(), targets.len(), "{case}");
             for target in targets {
-                let near = |track: &&&LiveTrack| {
-                    let time_s = (track.time_ns as f64 - EPOCH_NS as f64) / 1e9;
-                    (Vector3::from(track.posterior.mixture().position()) - target(time_s).0).norm() < 40.0
+                let near = |place: &&usize| {
+                    let time_s = (store[**place].time_ns as f64 - EPOCH_NS as f64) / 1e9;
+                    let position = store.states.posterior(**place).moments().position();
+                    (Vector3::from(position) - target(time_s).0).norm() < 40.0
                 };
-                let own: Vec<u32> = confirmed.iter().filter(near).map(|track| track.life.hits).collect();
+                let own: Vec<u32> = confirmed.iter().filter(near).map(|&place| store[place].life.hits).collect();
                 assert!(own.len() == 1 && own[0] > 70, "{case}: {own:?} hits");
             }
             assert!(ids.len() <= targets.len() + targets.len() / 4, "{case}: {} tracks were confirmed", ids.len());
@@ -390,8 +393,8 @@ fn confirmed_by_scan(stream: &Stream) -> BTreeMap<u32, BTreeSet<u64>> {
     let mut tracker = Tracker::new(&TrackerConfig::default(), 1).expect("valid");
     let (mut tracks, mut scans) = (Vec::new(), BTreeMap::new());
     for (header, plots) in stream {
-        tracker.take(header, plots, &mut tracks);
-        let confirmed = tracker.alive().iter().filter(|track| track.life.is_confirmed()).map(|track| track.id);
+        tracker.process_plots(header, plots, &mut tracks);
+        let confirmed = tracker.tracks().iter().filter(|track| track.life.is_confirmed()).map(|track| track.id);
         scans.insert(header.scan, confirmed.collect());
     }
     scans

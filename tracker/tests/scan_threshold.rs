@@ -7,13 +7,13 @@ use common::config::{Association, Clutter, Swerling, TrackerConfig};
 use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot};
 use common::random::{Purpose, generator};
 use rand::RngExt;
+use tracker::association::one_track::OneTrack;
+use tracker::association::scan::{Member, Outcome};
 use tracker::association::{FalsePlots, Rules, Surroundings};
-use tracker::gate::Radar;
-use tracker::imm::{Imm, transition};
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::Motion;
-use tracker::start::two_plots;
-use tracker::update::{Outcome, Workspace, update};
+use tracker::filter::TwoPlots;
+use tracker::filter::uav::Uav;
+use tracker::plots::measurement::{COORDINATES, Measurement};
+use tracker::plots::radar::Radar;
 
 const CELL: [f64; COORDINATES] = [69.3, 0.006, 0.006, 34.6];
 const PFA: f64 = 0.1;
@@ -36,28 +36,31 @@ fn plot(range_m: f64, azimuth_rad: f64, range_rate_mps: f64, power: f64) -> Meas
 }
 
 /// A track that has not been seen for a scan: its gate holds thousands of cells.
-fn prediction() -> Imm {
-    let motion = Motion { noise: [1.0, 1.0, 7.0], axes: 3 };
-    let start =
-        two_plots(&plot(900.0, 1.1, -22.0, 9.0), &plot(880.0, 1.1, -22.0, 9.0), 1.0, &motion, [0.33, 0.34, 0.33]);
-    let chain = transition(0.9, 1.0);
-    start.predict(&chain, &motion, 1.0).predict(&chain, &motion, 1.0)
+fn prediction() -> OneTrack {
+    let filter = Uav { noise: [1.0, 1.0, 7.0], axes: 3, stay: 0.9, start_probability: [0.33, 0.34, 0.33] };
+    let mut track = OneTrack::new(Box::new(filter));
+    let [previous, last] = [900.0, 880.0].map(|range_m| plot(range_m, 1.1, -22.0, 9.0));
+    track.start(&TwoPlots { previous: &previous, last: &last, step_s: 1.0 });
+    (0..2).for_each(|_| track.predict(1.0));
+    track
 }
 
-/// One scan with a detector of `pfa`, by `rules`.
-fn scan(rules: &Rules, pfa: f64, plots: &[Measurement]) -> Outcome {
+/// One scan with a detector of `pfa`, by `rules`, and the position east after it.
+fn scan(rules: &Rules, pfa: f64, plots: &[Measurement]) -> (Outcome, f64) {
     let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured: [true; COORDINATES] };
     let target = Detector::new(pfa, 0).target(Swerling::One, 25.0);
     let per_cell =
-        |polar: &[f64; COORDINATES]| pfa / (CELL.iter().product::<f64>() * polar[0] * polar[0] * polar[2].cos());
+        |plot: &Measurement| pfa / (CELL.iter().product::<f64>() * plot.polar[0].powi(2) * plot.cos_elevation);
     let surroundings = Surroundings {
         radar: &radar,
         detection_probability: target.detection_probability,
         target: Some(&target),
         shares: &[],
-        clutter: |polar: &[f64; COORDINATES]| FalsePlots { density: per_cell(polar), mean_excess: 0.0 },
+        clutter: |plot: &Measurement| FalsePlots { density: per_cell(plot), mean_excess: 0.0 },
     };
-    update(&prediction(), 0, plots, &surroundings, rules, &mut Workspace::default())
+    let mut track = prediction();
+    let outcome = track.update(Member { time_ns: 0, plots, surroundings }, &radar, rules);
+    (outcome, track.state().moments().position()[0])
 }
 
 #[test]
@@ -66,7 +69,7 @@ fn a_raised_threshold_is_as_the_detectors_own() {
         for clutter in [Clutter::Parametric, Clutter::NonParametric] {
             let config = TrackerConfig { association, clutter, ..TrackerConfig::default() };
             let rules = Rules::new(&config);
-            let t = scan(&rules, PFA, &[]).selection.threshold;
+            let t = scan(&rules, PFA, &[]).0.selection.threshold;
             let detector = Detector::new(PFA, 0);
             let raised = detector.noise_survival(t);
             assert!(raised < PFA / 10.0, "F {PFA} → {raised}");
@@ -80,11 +83,11 @@ fn a_raised_threshold_is_as_the_detectors_own() {
             }
             let found = scan(&rules, PFA, &plots);
             let own = scan(&Rules { gate_false_plots: 0.0, ..rules }, raised, &plots);
-            let both = |of: fn(&Outcome) -> f64| [of(&found), of(&own)];
+            let both = |of: fn(&(Outcome, f64)) -> f64| [of(&found), of(&own)];
             for (what, [found, own]) in [
-                ("weight of none", both(|outcome| outcome.weight_none)),
-                ("evidence of existence", both(|outcome| outcome.existence_ratio)),
-                ("east", both(|outcome| outcome.posterior.mixture().position()[0])),
+                ("weight of none", both(|(outcome, _)| outcome.weight_none)),
+                ("evidence of existence", both(|(outcome, _)| outcome.existence_ratio)),
+                ("east", both(|(_, east)| *east)),
             ] {
                 let same = (found - own).abs() <= 1e-6 * own.abs();
                 assert!(same, "{association:?}, {clutter:?}, {what}: {found} and {own}");

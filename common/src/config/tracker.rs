@@ -5,15 +5,26 @@ use serde::{Deserialize, Serialize};
 use super::Swerling;
 use super::load::{ConfigError, not_negative, positive, probability, require, within};
 
+/// The family of filters that follow targets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Estimator {
+    /// Interacting modes of a drone: hover, near-constant velocity, manoeuvre (T1)-(T4).
+    ImmUav,
+    /// One Kalman filter of near-constant velocity.
+    Cv,
+}
+
 /// Which gate a track is searched in (T10).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GateRule {
-    /// The most probable mode's; the manoeuvre mode's if that one is empty.
+    /// The most probable model's; the widest model's if that one is empty.
     MostProbable,
-    /// Always the manoeuvre mode's.
-    Manoeuvre,
-    /// Those of all modes of some probability together; with probability 0 of all modes (T20.3).
+    /// Always the widest model's: of the drone filter that of the manoeuvre, after which the key's value is named.
+    #[serde(rename = "manoeuvre", alias = "widest")]
+    Widest,
+    /// Those of all models of some probability together; with probability 0 of all modes (T20.3).
     Union,
 }
 
@@ -34,6 +45,11 @@ pub enum Association {
 }
 
 impl Association {
+    /// Whether one plot is taken for the target's, and no other.
+    pub fn decides(self) -> bool {
+        matches!(self, Self::Nearest | Self::Strongest)
+    }
+
     /// Whether decision statistics count.
     pub fn uses_power(self) -> bool {
         self != Self::Pda
@@ -64,17 +80,21 @@ pub enum Logic {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackerConfig {
-    /// a₁: noise of the hover mode (T1), m/s.
+    /// `imm-uav` (hover, near-constant velocity and manoeuvre of a drone) or `cv` (one filter of near-constant velocity).
+    pub estimator: Estimator,
+    /// For `cv`: noise of its acceleration over a step, m/s².
+    pub cv_noise_mps2: f64,
+    /// For `imm-uav`: a₁: noise of the hover mode (T1), m/s.
     pub hover_noise_mps: f64,
-    /// a₂: noise of the near-constant-velocity mode (T1), m/s².
+    /// For `imm-uav`: a₂: noise of the near-constant-velocity mode (T1), m/s².
     pub velocity_noise_mps2: f64,
-    /// a₃: noise of the manoeuvre mode (T1), m/s³.
+    /// For `imm-uav`: a₃: noise of the manoeuvre mode (T1), m/s³.
     pub manoeuvre_noise_mps3: f64,
-    /// Probability that a target stays in its mode for 1 s.
+    /// For `imm-uav`: probability that a target stays in its mode for 1 s.
     pub stay_probability: f64,
-    /// `most-probable` (else manoeuvre, the source's rule), `manoeuvre` or `union` (T10).
+    /// `most-probable` (else the widest, the source's rule), `manoeuvre` (the widest model's) or `union` (T10).
     pub gate_rule: GateRule,
-    /// For `union`: the gates of modes above this probability; 0 searches all three (T20.3).
+    /// For `union`: the gates of models above this probability; 0 searches all (T20.3).
     pub gate_union_probability: f64,
     /// False plots expected in the gate at most: in a larger gate only stronger plots are looked at (T20.2); 0 for no limit.
     pub gate_false_plots: f64,
@@ -133,6 +153,8 @@ pub struct TrackerConfig {
 impl Default for TrackerConfig {
     fn default() -> Self {
         Self {
+            estimator: Estimator::ImmUav,
+            cv_noise_mps2: 3.0,
             hover_noise_mps: 0.9,
             velocity_noise_mps2: 0.8,
             manoeuvre_noise_mps3: 7.5,
@@ -175,6 +197,7 @@ impl TrackerConfig {
     /// # Errors
     /// [`ConfigError`], naming the key and what was expected.
     pub fn check(&self) -> Result<(), ConfigError> {
+        positive("tracker.cv_noise_mps2", self.cv_noise_mps2)?;
         positive("tracker.hover_noise_mps", self.hover_noise_mps)?;
         positive("tracker.velocity_noise_mps2", self.velocity_noise_mps2)?;
         positive("tracker.manoeuvre_noise_mps3", self.manoeuvre_noise_mps3)?;

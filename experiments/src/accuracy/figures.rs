@@ -1,9 +1,9 @@
 //! The source's figures: errors and modes by scan, gates and measurements of one run, trajectories in plan.
 
 use common::config::Swerling;
+use common::tracks::{KIND_CONSTANT_VELOCITY, KIND_HOVER, KIND_MANOEUVRE};
 use evaluation::rms::rms;
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::MODES;
+use tracker::plots::measurement::{COORDINATES, Measurement};
 
 use super::plots::{Runs, SETTINGS};
 use crate::figures::{Axis, Figure, GREY, Panel, Series, Shape};
@@ -12,8 +12,9 @@ use crate::settings::Settings;
 use crate::trajectory::{SCANS, Trajectory};
 use crate::world::{Conditions, sights};
 
-/// Names of the modes, in their order.
-const MODE: [&str; MODES] = ["hover", "constant velocity", "manoeuvre"];
+/// The models that are drawn, in the order of their colours.
+const MODELS: [(u16, &str); 3] =
+    [(KIND_HOVER, "hover"), (KIND_CONSTANT_VELOCITY, "constant velocity"), (KIND_MANOEUVRE, "manoeuvre")];
 /// The run that is shown where one is.
 const SHOWN: u32 = 0;
 
@@ -57,9 +58,9 @@ fn modes(all: &[&Runs], seed: u64) -> Figure {
     let truth = sights(Trajectory::B, &Conditions::WITHOUT_CLUTTER, seed, SHOWN);
     let panel = |runs: &&Runs| {
         let mut series = Vec::new();
-        for (mode, name) in MODE.iter().enumerate() {
-            // A band as high as the panel where the mode is the true one.
-            let is_true = |k: usize| truth[k + 1].mode == mode;
+        for (colour, (kind, name)) in MODELS.iter().enumerate() {
+            // A band as high as the panel where the model is the true one.
+            let is_true = |k: usize| truth[k + 1].kind == *kind;
             let mut k = 1;
             while k <= SCANS as usize {
                 let first = k;
@@ -69,17 +70,17 @@ fn modes(all: &[&Runs], seed: u64) -> Figure {
                 if k > first {
                     let [from, to] = [first as f64 - 0.5, k as f64 - 0.5].map(|x| x.clamp(0.0, f64::from(SCANS)));
                     let band = Shape::Band(vec![[from, 0.0, 1.0], [to, 0.0, 1.0]]);
-                    series.push(Series::new(format!("true: {name}"), mode, band));
+                    series.push(Series::new(format!("true: {name}"), colour, band));
                 }
                 k = k.max(first + 1);
             }
         }
-        for (mode, name) in MODE.iter().enumerate() {
+        for (colour, (kind, name)) in MODELS.iter().enumerate() {
             let mean = |scan: usize| {
-                runs.records.iter().map(|run| run[scan].probability[mode]).sum::<f64>() / runs.records.len() as f64
+                runs.records.iter().map(|run| run[scan].probability_of(*kind)).sum::<f64>() / runs.records.len() as f64
             };
             let line = (0..SCANS as usize).map(|scan| [scan as f64 + 1.0, mean(scan)]).collect();
-            series.push(Series::new(*name, mode, Shape::Line(line)));
+            series.push(Series::new(*name, colour, Shape::Line(line)));
         }
         Panel {
             title: format!("{} settings", runs.settings.name()),

@@ -4,7 +4,7 @@ use common::config::Swerling;
 use nalgebra::Vector3;
 use radar_sim::motion::{Kinematics, Segments};
 use rand::Rng;
-use tracker::measurement::COORDINATES;
+use tracker::plots::measurement::COORDINATES;
 
 use crate::turning::CELL;
 use crate::world::{Conditions, SIGMA, offset, place, power, scattered};

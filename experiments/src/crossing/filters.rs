@@ -5,35 +5,30 @@ use common::random::{Purpose, generator};
 use evaluation::following::pair;
 use nalgebra::Vector3;
 use radar_sim::motion::Segments;
-use tracker::amplitude::Amplitude;
+use tracker::association::joint::{Claimant, Sharing};
+use tracker::association::one_track::OneTrack;
+use tracker::association::scan::Member;
 use tracker::association::{FalsePlots, Rules, Surroundings};
-use tracker::gate::Radar;
-use tracker::imm::{Imm, transition};
-use tracker::joint::{Claimant, Sharing};
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::{MODES, Motion};
-use tracker::start::two_plots;
-use tracker::track::Kinematics as TrackKinematics;
-use tracker::update::{Workspace, update};
+use tracker::filter::{Machine, Mixture, TwoPlots, family};
+use tracker::plots::measurement::Measurement;
+use tracker::plots::radar::Radar;
+use tracker::tracks::amplitude::Amplitude;
 
 use super::course::{CONDITIONS, Course, FOLLOWS_M, SCANS, paths, plots};
 use super::outcome::Outcome;
 use crate::judge::distances_of_sets;
-use crate::surround::Surround;
+use crate::surround::{Prospect, Surround};
 use crate::world::{distance_m, plot, radar};
 
 /// Scans at the end in which tracks in one place count as coalesced.
 const LAST: u32 = 5;
-/// Mode probabilities at the start.
-const START: [f64; MODES] = [0.33, 0.34, 0.33];
 
 /// Two tracks and what they need.
 pub(super) struct Filters {
     config: TrackerConfig,
     rules: Rules,
-    motion: Motion,
     radar: Radar,
-    workspace: Workspace,
+    track: OneTrack,
     sharing: Sharing,
     shares: Vec<f64>,
     plots: Vec<Measurement>,
@@ -42,12 +37,12 @@ pub(super) struct Filters {
 impl Filters {
     pub(super) fn new() -> Self {
         let (config, radar) = (TrackerConfig::default(), radar());
+        let (rules, track) = (Rules::new(&config), OneTrack::new(family(&config, &radar)));
         Self {
-            rules: Rules::new(&config),
-            motion: TrackKinematics::new(&config, &radar).motion,
+            sharing: Sharing::new(track.filter().layout(), Machine::default(), rules.inflation),
+            rules,
             radar,
-            workspace: Workspace::default(),
-            sharing: Sharing::default(),
+            track,
             shares: Vec::new(),
             plots: Vec::new(),
             config,
@@ -80,21 +75,28 @@ impl Filters {
         run: u32,
     ) -> Outcome {
         let detector = CONDITIONS.detector();
-        let chain = transition(self.config.stay_probability, 1.0);
-        let mut tracks: [Imm; 2] =
-            std::array::from_fn(|i| two_plots(&scans[0][i], &scans[1][i], 1.0, &self.motion, START));
+        let mut tracks: [Vec<f64>; 2] = std::array::from_fn(|i| {
+            self.track.start(&TwoPlots { previous: &scans[0][i], last: &scans[1][i], step_s: 1.0 });
+            self.track.words().to_vec()
+        });
         let mut amplitudes = [Amplitude::prior(&self.config, &detector); 2];
         let mut outcome = Outcome::default();
         for (scan, seen) in (0..).zip(scans).skip(2) {
-            let predictions = tracks.map(|track| track.predict(&chain, &self.motion, 1.0));
+            let predictions = tracks.each_ref().map(|track| {
+                self.track.set(track);
+                self.track.predict(1.0);
+                self.track.words().to_vec()
+            });
+            let prospects =
+                predictions.each_ref().map(|words| Prospect::of(&mut self.track, words, &self.radar, &self.rules));
             for amplitude in &mut amplitudes {
-                amplitude.look(&self.config, &detector);
+                amplitude.renew_statistics(&self.config, &detector);
             }
             self.plots.clear();
             self.plots.extend(seen);
             let cells: f64 = self.radar.cell.iter().product();
-            let clutter = |polar: &[f64; COORDINATES]| FalsePlots {
-                density: CONDITIONS.pfa / cells / (polar[0] * polar[0] * polar[2].cos().max(1e-3)),
+            let clutter = |plot: &Measurement| FalsePlots {
+                density: CONDITIONS.pfa / cells / (plot.polar[0] * plot.polar[0] * plot.cos_elevation.max(1e-3)),
                 mean_excess: 0.0,
             };
             let around = Surroundings {
@@ -105,21 +107,21 @@ impl Filters {
                 clutter,
             };
             let mut rng = generator(seed, Purpose::Clutter, run, scan);
-            Surround::new(&detector).draw(&predictions, &self.rules, &around, &mut rng, &mut self.plots);
+            Surround::new(&detector).draw(&prospects, &self.rules, &around, &mut rng, &mut self.plots);
             for own in 0..2 {
                 tracks[own] = self.updated(own, joint, &predictions, &amplitudes, clutter);
             }
             let truth = [0, 1].map(|i: usize| drones[i].at(f64::from(scan)));
             let mut distances = Vec::with_capacity(4);
             for (target, truth) in truth.iter().enumerate() {
-                for (track, imm) in tracks.iter().enumerate() {
-                    distances.push((target, track, distance_m(imm.mixture().position(), truth)));
+                for (track, words) in tracks.iter().enumerate() {
+                    distances.push((target, track, distance_m(self.position(words), truth)));
                 }
             }
             let (ospa, gospa) = distances_of_sets(2, 2, &distances);
             outcome.add(&ospa, &gospa);
             if scan + LAST >= SCANS {
-                let places = tracks.each_ref().map(|track| Vector3::from(track.mixture().position()));
+                let places = tracks.each_ref().map(|words| Vector3::from(self.position(words)));
                 let together = (places[0] - places[1]).norm() < FOLLOWS_M;
                 outcome.coalesced += f64::from(u8::from(together)) / f64::from(LAST);
             }
@@ -132,14 +134,18 @@ impl Filters {
         outcome
     }
 
-    fn updated<F: Fn(&[f64; COORDINATES]) -> FalsePlots + Copy>(
+    fn position(&self, words: &[f64]) -> [f64; 3] {
+        Mixture::new(self.track.filter().layout(), words).moments().position()
+    }
+
+    fn updated<F: Fn(&Measurement) -> FalsePlots + Copy>(
         &mut self,
         own: usize,
         joint: bool,
-        predictions: &[Imm; 2],
+        predictions: &[Vec<f64>; 2],
         amplitudes: &[Amplitude; 2],
         clutter: F,
-    ) -> Imm {
+    ) -> Vec<f64> {
         let most = self.config.detection_probability;
         let detection_probability = |of: usize| amplitudes[of].statistics().detection_probability.min(most);
         let claimant = |of: usize| Claimant {
@@ -154,8 +160,7 @@ impl Filters {
         let plots = self.plots.len();
         if joint {
             let rivals = std::iter::once(claimant(1 - own));
-            let (radar, inflation) = (&self.radar, self.rules.inflation);
-            let shared = self.sharing.share(&claimant(own), rivals, &self.plots, clutter, radar, inflation);
+            let shared = self.sharing.share(&claimant(own), rivals, &self.plots, clutter, &self.radar);
             self.shares.extend(shared.shares);
             self.shares.extend(shared.common.iter().map(|common| common.share));
             self.plots.extend(shared.common.iter().map(|common| common.measurement));
@@ -167,8 +172,10 @@ impl Filters {
             shares: &self.shares,
             clutter,
         };
-        let updated = update(&predictions[own], 0, &self.plots, &surroundings, &self.rules, &mut self.workspace);
+        self.track.set(&predictions[own]);
+        let member = Member { time_ns: 0, plots: &self.plots, surroundings };
+        self.track.update(member, &self.radar, &self.rules);
         self.plots.truncate(plots);
-        updated.posterior
+        self.track.words().to_vec()
     }
 }

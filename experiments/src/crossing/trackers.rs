@@ -61,7 +61,7 @@ fn follow(drones: &[Segments; 2], turns: &[Turn], config: &TrackerConfig) -> any
     for (scan, turn) in (0..).zip(turns) {
         seen.clear();
         for (header, plots) in turn {
-            tracker.take(header, plots, &mut tracks);
+            tracker.process_plots(header, plots, &mut tracks);
             seen.extend(tracks.iter().copied());
         }
         let verdict = judge.turn(&seen, drones);

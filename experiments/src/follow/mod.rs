@@ -12,21 +12,21 @@ mod record;
 use std::time::Instant;
 
 use common::amplitude::Detector;
-use common::config::{Association, GateRule, TrackerConfig};
+use common::config::{GateRule, TrackerConfig};
 use common::random::{Purpose, generator};
 use evaluation::track_loss::Watch;
-use tracker::amplitude::Amplitude;
+use tracker::association::gate::Gate;
+use tracker::association::hypotheses::{Hypotheses, Means, Room};
+use tracker::association::one_track::OneTrack;
+use tracker::association::scan::{Member, Outcome};
 use tracker::association::{FalsePlots, Rules, Surroundings};
-use tracker::gate::{Gate, Radar};
-use tracker::hypotheses::{Hypotheses, Room};
-use tracker::imm::{Imm, transition};
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::{MANOEUVRE, MODES, Motion};
-use tracker::start::two_plots;
-use tracker::track::Kinematics;
-use tracker::update::{Outcome, Workspace, update};
+use tracker::filter::gaussian::Gaussian;
+use tracker::filter::{Machine, Mixture, TwoPlots, family};
+use tracker::plots::measurement::Measurement;
+use tracker::plots::radar::Radar;
+use tracker::tracks::amplitude::Amplitude;
 
-use crate::surround::{Surround, gates};
+use crate::surround::{Prospect, Surround};
 use crate::trajectory::SCANS;
 use crate::world::{Conditions, Sight, distance_m, radar};
 
@@ -45,8 +45,6 @@ const WITHOUT_GATE: f64 = 100.0;
 const CERTAIN: f64 = 1.0 - 1e-12;
 /// False plots per cell where there are none.
 const LEAST_PFA: f64 = 1e-12;
-/// Mode probabilities at the start.
-const START_PROBABILITY: [f64; MODES] = [0.33, 0.34, 0.33];
 
 /// Whether and how a track loses its target.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -70,13 +68,13 @@ pub struct Follower {
     config: TrackerConfig,
     conditions: Conditions,
     rules: Rules,
-    motion: Motion,
     radar: Radar,
     detector: Detector,
-    workspace: Workspace,
+    track: OneTrack,
     room: Room,
     plots: Vec<Measurement>,
-    predictions: Vec<Imm>,
+    /// Of the track, or of its hypotheses, the most probable first.
+    prospects: Vec<Prospect>,
     timed_us: Option<Vec<f64>>,
     goes_on: bool,
 }
@@ -87,7 +85,7 @@ struct Pursuit {
     time_s: f64,
     /// With (T21); else the posterior is all there is.
     hypotheses: Option<Hypotheses>,
-    posterior: Imm,
+    posterior: Vec<f64>,
     amplitude: Amplitude,
     given_up: bool,
     outside: Watch,
@@ -107,16 +105,16 @@ impl Follower {
             rules.gate_probability_by_mode = false;
             rules.gate_false_plots = 0.0;
         }
+        let track = OneTrack::new(family(config, &radar));
         Self {
             rules,
-            motion: Kinematics::new(config, &radar).motion,
             radar,
             detector: conditions.detector(),
             conditions: *conditions,
-            workspace: Workspace::default(),
-            room: Room::default(),
+            room: Room::new(track.filter().layout()),
+            track,
             plots: Vec::new(),
-            predictions: Vec::new(),
+            prospects: Vec::new(),
             timed_us: None,
             goes_on: false,
             config: config.clone(),
@@ -151,8 +149,10 @@ impl Follower {
     ) -> Fate {
         let mut pursuit = self.start(sights);
         for (k, sight) in scans(sights) {
-            let (prediction, outcome) = self.step(&mut pursuit, k, sight, seed, run);
-            see(ScanRecord::new(k, &prediction, &outcome, sight), &self.plots);
+            let (predicted, outcome) = self.step(&mut pursuit, k, sight, seed, run);
+            let state = Mixture::new(self.track.filter().layout(), &pursuit.posterior);
+            let models = self.track.filter().models(state);
+            see(ScanRecord::new(k, &predicted, &state.moments(), models, &outcome, sight), &self.plots);
         }
         pursuit.fate
     }
@@ -164,16 +164,17 @@ impl Follower {
         self.timed_us.take().unwrap_or_default()
     }
 
-    fn start(&self, sights: &[Sight]) -> Pursuit {
+    fn start(&mut self, sights: &[Sight]) -> Pursuit {
         let [first, second] = [0, 1].map(|k: usize| &sights[k].plot);
         let time_s = sights[1].time_s;
-        let posterior = two_plots(first, second, time_s - sights[0].time_s, &self.motion, START_PROBABILITY);
+        self.track.start(&TwoPlots { previous: first, last: second, step_s: time_s - sights[0].time_s });
+        let posterior = self.track.words().to_vec();
         let mut amplitude = Amplitude::prior(&self.config, &self.detector);
         for plot in [first, second] {
             amplitude.learn(plot.power, 1.0, self.detector.threshold);
         }
-        let hypotheses = (self.config.association == Association::Mht)
-            .then(|| Hypotheses::new(&posterior, self.config.hypotheses as usize));
+        let layout = self.track.filter().layout();
+        let hypotheses = Hypotheses::most(&self.config).map(|most| Hypotheses::new(layout, &posterior, most));
         Pursuit {
             time_s,
             hypotheses,
@@ -187,21 +188,19 @@ impl Follower {
     }
 
     /// One scan: what the track expected and what became of it.
-    fn step(&mut self, pursuit: &mut Pursuit, k: u32, sight: &Sight, seed: u64, run: u32) -> (Imm, Outcome) {
+    fn step(&mut self, pursuit: &mut Pursuit, k: u32, sight: &Sight, seed: u64, run: u32) -> (Gaussian, Outcome) {
         let step_s = sight.time_s - pursuit.time_s;
         pursuit.time_s = sight.time_s;
-        let chain = transition(self.config.stay_probability, step_s);
+        let layout = *self.track.filter().layout();
         let started = Instant::now();
-        let prediction = pursuit.posterior.predict(&chain, &self.motion, step_s);
-        self.predictions.clear();
-        match &mut pursuit.hypotheses {
-            None => self.predictions.push(prediction),
-            Some(hypotheses) => {
-                hypotheses.predict(&chain, &self.motion, step_s);
-                self.predictions.extend(hypotheses.filters());
-            }
+        self.track.set(&pursuit.posterior);
+        self.track.predict(step_s);
+        let prediction = self.track.words().to_vec();
+        if let Some(hypotheses) = &mut pursuit.hypotheses {
+            let means = Means { filter: self.track.filter(), machine: Machine::default(), rules: &self.rules };
+            hypotheses.predict(means, step_s, &mut self.room);
         }
-        pursuit.amplitude.look(&self.config, &self.detector);
+        pursuit.amplitude.renew_statistics(&self.config, &self.detector);
         let predicted = started.elapsed();
         let clutter = self.conditions.pfa > 0.0;
         let statistics = *pursuit.amplitude.statistics();
@@ -216,32 +215,54 @@ impl Follower {
             },
             target: Some(&statistics),
             shares: &[],
-            clutter: |polar: &[f64; COORDINATES]| FalsePlots {
-                density: density / (polar[0] * polar[0] * polar[2].cos().max(1e-3)),
+            clutter: |plot: &Measurement| FalsePlots {
+                density: density / (plot.polar[0] * plot.polar[0] * plot.cos_elevation.max(1e-3)),
                 mean_excess: 0.0,
             },
         };
-        pursuit.given_up |= clutter && self.gives_up(&prediction);
+        self.prospects.clear();
+        match &pursuit.hypotheses {
+            None => self.prospects.push(Prospect::of(&mut self.track, &prediction, &self.radar, &self.rules)),
+            Some(hypotheses) => {
+                let states = hypotheses.states(&layout);
+                let prospect =
+                    |state: Mixture<'_>| Prospect::of(&mut self.track, state.words(), &self.radar, &self.rules);
+                self.prospects.extend(states.map(prospect));
+            }
+        }
+        let own = Prospect::of(&mut self.track, &prediction, &self.radar, &self.rules);
+        pursuit.given_up |= clutter && self.gives_up(&own);
         self.plots.clear();
         if !pursuit.given_up {
             self.plots.extend(sight.detected.then_some(sight.plot));
             if clutter {
                 let mut rng = generator(seed, Purpose::Clutter, run, k + 1);
                 let mut surround = Surround::new(&self.detector);
-                surround.draw(&self.predictions, &self.rules, &surroundings, &mut rng, &mut self.plots);
+                surround.draw(&self.prospects, &self.rules, &surroundings, &mut rng, &mut self.plots);
             }
         }
         let started = Instant::now();
-        let (rules, workspace) = (&self.rules, &mut self.workspace);
         let outcome = match &mut pursuit.hypotheses {
-            None => update(&prediction, 0, &self.plots, &surroundings, rules, workspace),
-            Some(hypotheses) => hypotheses.update(0, &self.plots, &surroundings, rules, workspace, &mut self.room),
+            None => {
+                let member = Member { time_ns: 0, plots: &self.plots, surroundings };
+                let outcome = self.track.update(member, &self.radar, &self.rules);
+                pursuit.posterior.copy_from_slice(self.track.words());
+                outcome
+            }
+            Some(hypotheses) => {
+                let filter = family(&self.config, &self.radar);
+                let means = Means { filter: filter.as_ref(), machine: Machine::default(), rules: &self.rules };
+                let choice = &mut self.track.scan.choices[0];
+                let outcome = hypotheses.update(means, 0, &self.plots, &surroundings, &mut self.room, choice);
+                pursuit.posterior.copy_from_slice(self.room.posterior());
+                outcome
+            }
         };
         if let Some(timed_us) = self.timed_us.as_mut().filter(|_| !pursuit.given_up) {
             timed_us.push((predicted + started.elapsed()).as_secs_f64() * 1e6);
         }
-        for (candidate, weights) in self.workspace.candidates.iter().zip(&self.workspace.weights) {
-            let weight: f64 = (0..MODES).map(|j| outcome.posterior.probability[j] * weights[j]).sum();
+        let choice = &self.track.scan.choices[0];
+        for (candidate, &weight) in choice.candidates.iter().zip(&choice.weights) {
             let threshold = outcome.selection.threshold.max(self.detector.threshold);
             let power = self.plots[candidate.plot].power;
             // Of several hypotheses each has its own threshold; that of the best one is taken.
@@ -249,27 +270,25 @@ impl Follower {
                 pursuit.amplitude.learn(power, weight, threshold);
             }
         }
-        pursuit.posterior = outcome.posterior;
-        self.judge(pursuit, k, sight, &prediction, &outcome);
-        (prediction, outcome)
+        self.judge(pursuit, k, sight, &own, &outcome);
+        (Mixture::new(&layout, &prediction).moments(), outcome)
     }
 
     /// Whether the source would give the track up: from then on it only predicts.
-    fn gives_up(&self, prediction: &Imm) -> bool {
-        let mode = match self.rules.gate_rule {
-            GateRule::MostProbable => prediction.most_probable(),
-            GateRule::Manoeuvre => MANOEUVRE,
+    fn gives_up(&self, prospect: &Prospect) -> bool {
+        let component = match self.rules.gate_rule {
+            GateRule::MostProbable => prospect.first,
+            GateRule::Widest => prospect.widest,
             GateRule::Union => return false,
         };
-        let gate = gates(prediction, &self.radar, self.rules.alpha)[mode];
-        gate.cells(&self.radar) * self.conditions.pfa > MOST_FALSE_PLOTS
+        prospect.gates[component].cells(&self.radar) * self.conditions.pfa > MOST_FALSE_PLOTS
     }
 
-    fn judge(&self, pursuit: &mut Pursuit, k: u32, sight: &Sight, prediction: &Imm, outcome: &Outcome) {
+    fn judge(&self, pursuit: &mut Pursuit, k: u32, sight: &Sight, prospect: &Prospect, outcome: &Outcome) {
         let holds = |gate: &Gate| gate.holds(&gate.offset(&sight.plot, 0.0), &sight.plot);
         let in_gate = match self.rules.gate_rule {
-            GateRule::Union => gates(prediction, &self.radar, self.rules.alpha).iter().any(holds),
-            GateRule::MostProbable | GateRule::Manoeuvre => holds(&outcome.selection.gate),
+            GateRule::Union => prospect.gates.iter().any(holds),
+            GateRule::MostProbable | GateRule::Widest => holds(&outcome.selection.gate),
         };
         let leaves_gate = pursuit.outside.see(in_gate).is_some();
         if pursuit.given_up || leaves_gate {
@@ -277,7 +296,10 @@ impl Follower {
             // The source ends here; what goes on is what it would have predicted. Gates of all modes go on looking.
             pursuit.given_up |= self.rules.gate_rule != GateRule::Union && !self.goes_on;
         }
-        let error_m = distance_m(outcome.posterior.mixture().position(), &sight.truth);
+        let error_m = distance_m(
+            Mixture::new(self.track.filter().layout(), &pursuit.posterior).moments().position(),
+            &sight.truth,
+        );
         pursuit.fate.strayed |= pursuit.beyond.see(error_m <= LOST_DISTANCE_M).is_some();
     }
 }

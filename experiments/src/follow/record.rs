@@ -1,12 +1,12 @@
 //! What one scan did to a track.
 
+use common::tracks::Models;
 use evaluation::consistency::normalised_square;
 use nalgebra::{Matrix3, Vector3};
 use radar_sim::motion::Kinematics;
-use tracker::gate::Gate;
-use tracker::imm::Imm;
-use tracker::motion::MODES;
-use tracker::update::Outcome;
+use tracker::association::gate::Gate;
+use tracker::association::scan::Outcome;
+use tracker::filter::gaussian::Gaussian;
 
 use crate::world::Sight;
 
@@ -25,9 +25,9 @@ pub struct ScanRecord {
     pub position_sd_m: Vector3<f64>,
     /// νᵀ P⁻¹ ν of the position; 3 on average if the filter is right.
     pub nees_position: f64,
-    /// W by mode.
-    pub probability: [f64; MODES],
-    /// Whether the most probable mode is that of the truth.
+    /// What the filter says of the way to move.
+    pub models: Models,
+    /// Whether the most probable model is that of the truth.
     pub correct: bool,
     /// The gate in use; the largest of a union.
     pub gate: Gate,
@@ -49,8 +49,7 @@ pub(crate) struct Errors {
 }
 
 /// Prediction and estimate minus truth.
-pub(crate) fn errors_of(prediction: &Imm, posterior: &Imm, truth: &Kinematics) -> Errors {
-    let (predicted, estimate) = (prediction.mixture(), posterior.mixture());
+pub(crate) fn errors_of(predicted: &Gaussian, estimate: &Gaussian, truth: &Kinematics) -> Errors {
     let p = &estimate.covariance;
     let covariance = Matrix3::new(p[0], p[1], p[3], p[1], p[2], p[4], p[3], p[4], p[5]);
     let position_m = Vector3::from(estimate.position()) - truth.position_m;
@@ -64,8 +63,21 @@ pub(crate) fn errors_of(prediction: &Imm, posterior: &Imm, truth: &Kinematics) -
 }
 
 impl ScanRecord {
-    pub(super) fn new(k: u32, prediction: &Imm, outcome: &Outcome, sight: &Sight) -> Self {
-        let errors = errors_of(prediction, &outcome.posterior, &sight.truth);
+    /// Probability of the models of a kind together.
+    pub fn probability_of(&self, kind: u16) -> f64 {
+        let models = self.models.kind.iter().zip(&self.models.probability);
+        models.filter(|(own, _)| **own == kind).map(|(_, probability)| probability).sum()
+    }
+
+    pub(super) fn new(
+        k: u32,
+        predicted: &Gaussian,
+        estimate: &Gaussian,
+        models: Models,
+        outcome: &Outcome,
+        sight: &Sight,
+    ) -> Self {
+        let errors = errors_of(predicted, estimate, &sight.truth);
         Self {
             k,
             predicted_error_m: errors.predicted_m,
@@ -73,8 +85,8 @@ impl ScanRecord {
             velocity_error_mps: errors.velocity_mps,
             position_sd_m: errors.position_sd_m,
             nees_position: errors.nees_position,
-            probability: outcome.posterior.probability,
-            correct: outcome.posterior.most_probable() == sight.mode,
+            models,
+            correct: models.most_probable() == sight.kind,
             gate: outcome.selection.gate,
         }
     }

@@ -99,7 +99,7 @@ fn one_run(seed: u64, run: u32, pfa: f64, effort: &Effort, rules: &[Rule]) -> an
         for (tracker, before, confirmed) in &mut watched {
             let Some(tracker) = tracker else { continue };
             for (header, plots) in &messages {
-                tracker.take(header, plots, &mut tracks);
+                tracker.process_plots(header, plots, &mut tracks);
                 for track in tracks.iter().filter(|track| track.is_confirmed()) {
                     let warm = seconds(track.time_ns) >= f64::from(WARM_UP) * PERIOD_S;
                     if !warm {

@@ -65,7 +65,7 @@ pub(super) fn one_run(seed: u64, run: u32, conditions: &Conditions, rules: &[Rul
         for (scan, turn) in (0..).zip(&turns) {
             seen.clear();
             for (header, plots) in turn {
-                tracker.take(header, plots, &mut tracks);
+                tracker.process_plots(header, plots, &mut tracks);
                 seen.extend(tracks.iter().copied());
             }
             let there = if scan >= FIRST_SCAN { std::slice::from_ref(&target) } else { &[] };

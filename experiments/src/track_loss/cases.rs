@@ -43,7 +43,7 @@ pub struct Setting {
 pub(super) const ASSOCIATIONS: [Association; 4] =
     [Association::PdaStatistics, Association::Pda, Association::Strongest, Association::Nearest];
 /// Where plots are looked for.
-pub(super) const GATE_RULES: [GateRule; 3] = [GateRule::MostProbable, GateRule::Manoeuvre, GateRule::Union];
+pub(super) const GATE_RULES: [GateRule; 3] = [GateRule::MostProbable, GateRule::Widest, GateRule::Union];
 /// Where all choices are compared, dB.
 pub(super) const CHOICES_DB: f64 = 12.0;
 
@@ -92,7 +92,7 @@ impl Setting {
         let at_16_db = self.trajectory == B && self.association == PdaStatistics && is(self.snr_db, 16.0);
         match (self.settings, self.gate_rule, self.swerling) {
             (Source, GateRule::MostProbable, Swerling::One) => table(self),
-            (Source, GateRule::Manoeuvre, Zero) if at_16_db && is(self.pfa, 0.1) => Some(0.013),
+            (Source, GateRule::Widest, Zero) if at_16_db && is(self.pfa, 0.1) => Some(0.013),
             (Settings::SourceWithGateProbability, _, Swerling::One) if at_16_db && is(self.pfa, 0.01) => Some(0.71),
             (Settings::SourceWithGateProbability, _, Zero) if at_16_db && is(self.pfa, 0.01) => Some(0.008),
             _ => None,
@@ -210,7 +210,7 @@ pub(super) fn all(options: &Options) -> Vec<Setting> {
         }
     }
     let manoeuvre = Setting::new(Settings::Source, Trajectory::B, 0.1, 16.0);
-    all.push(Setting { gate_rule: GateRule::Manoeuvre, swerling: Swerling::Zero, ..manoeuvre });
+    all.push(Setting { gate_rule: GateRule::Widest, swerling: Swerling::Zero, ..manoeuvre });
     for swerling in [Swerling::One, Swerling::Zero] {
         let setting = Setting::new(Settings::SourceWithGateProbability, Trajectory::B, 0.01, 16.0);
         all.push(Setting { swerling, ..setting });

@@ -96,7 +96,7 @@ fn special(rows: &[Row]) -> Block {
     let source = |pfa| Line::new(Trajectory::B, pfa, Settings::Source.name());
     let t13 =
         |swerling| Line { swerling, ..Line::new(Trajectory::B, 0.01, Settings::SourceWithGateProbability.name()) };
-    let manoeuvre = Line { gate_rule: GateRule::Manoeuvre, swerling: Swerling::Zero, ..source(0.1) };
+    let manoeuvre = Line { gate_rule: GateRule::Widest, swerling: Swerling::Zero, ..source(0.1) };
     let cases = [
         ("gate of the manoeuvre mode, Swerling 0, F = 0.1", manoeuvre),
         ("(T13), Swerling I, F = 0.01", t13(Swerling::One)),

@@ -288,9 +288,7 @@ impl Simulated {
                 self.velocity.add(error.speed_mps.powi(2));
                 error.nees.into_iter().for_each(|value| self.nees.add(value));
                 error.nees_position.into_iter().for_each(|value| self.nees_position.add(value));
-                if let (Some(mean), Some(&probability)) =
-                    (self.modes.get_mut(target.mode as usize), error.mode_probability.get(target.mode as usize))
-                {
+                if let (Some(mean), Some(probability)) = (self.modes.get_mut(target.mode as usize), error.true_kind) {
                     mean.add(probability);
                 }
             }

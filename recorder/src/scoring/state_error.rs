@@ -1,7 +1,7 @@
 //! A track report against truth at its time.
 
-use common::tracks::{Track, pack};
-use common::truth::TruthTarget;
+use common::tracks::{KIND_CONSTANT_VELOCITY, KIND_HOVER, KIND_MANOEUVRE, Track, pack};
+use common::truth::{CONSTANT_VELOCITY, HOVER, MANOEUVRE, TruthTarget};
 use common::units::seconds_between;
 use evaluation::consistency;
 use nalgebra::{SMatrix, SVector};
@@ -22,8 +22,8 @@ pub(super) struct StateError {
     pub(super) nees: Option<f64>,
     /// NEES of position over its dimension.
     pub(super) nees_position: Option<f64>,
-    /// What the track gives to each mode of motion.
-    pub(super) mode_probability: [f64; 3],
+    /// What the track gives to the models of the true kind, if its filter has one and the truth is known.
+    pub(super) true_kind: Option<f64>,
 }
 
 impl StateError {
@@ -39,12 +39,18 @@ impl StateError {
         let error: [f64; 9] = std::array::from_fn(|index| track.state[index] - truth[index]);
         let length = |axes: [usize; 3]| axes.iter().map(|&axis| error[axis] * error[axis]).sum::<f64>().sqrt();
         let (distance_m, speed_mps) = (length(POSITION), length(POSITION.map(|axis| axis + 1)));
+        let kind = match target.mode {
+            HOVER => KIND_HOVER,
+            CONSTANT_VELOCITY => KIND_CONSTANT_VELOCITY,
+            MANOEUVRE => KIND_MANOEUVRE,
+            _ => u16::MAX,
+        };
         distance_m.is_finite().then(|| Self {
             distance_m,
             speed_mps,
             nees: normalised_square(&error, track, POSITION_AND_VELOCITY),
             nees_position: normalised_square(&error, track, POSITION),
-            mode_probability: track.mode_probability,
+            true_kind: track.model_kind.contains(&kind).then(|| track.probability_of(kind)),
         })
     }
 }

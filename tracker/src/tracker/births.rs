@@ -1,99 +1,93 @@
-//! Plots that no confirmed track explains: clutter, or with one of the turn before the start of a track.
+//! Plots left over for track initiation: those that no confirmed track explains are clutter, or with one of the turn before the start of a
+//! track.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
 
 use common::angle;
-use common::config::Association;
 use common::tracks::Track;
 use common::units::seconds_between;
 
-use super::{EXPLAINED, Tracker};
-use crate::amplitude::Amplitude;
-use crate::initiation::Reach;
-use crate::life::Life;
-use crate::measurement::Measurement;
-use crate::motion::MODES;
-use crate::plot_index::{PlotIndex, Window};
-use crate::plot_store::{Entry, PlotStore};
-use crate::site::Site;
-use crate::start::two_plots;
-use crate::track::{LastScan, LiveTrack, Passage};
-
-/// Mode probabilities of a new track.
-const START_PROBABILITY: [f64; MODES] = [0.33, 0.34, 0.33];
-/// Existence below which two plots start no track.
-const LEAST_EXISTENCE: f64 = 1e-5;
-/// Times between two plots of successive turns, turns.
-const SHORTEST_STEP: f64 = 0.25;
-const LONGEST_STEP: f64 = 1.5;
+use super::Tracker;
+use crate::association::hypotheses::Hypotheses;
+use crate::beam::opportunity::{DetectionTime, Opportunity};
+use crate::constants::{EXPLAINED, LEAST_EXISTENCE, STEP_TURNS};
+use crate::environment::Environment;
+use crate::filter::{Layout, Mixture, TwoPlots};
+use crate::plots::index::{PlotIndex, Window};
+use crate::plots::measurement::Measurement;
+use crate::plots::store::PlotStore;
+use crate::tracks::amplitude::Amplitude;
+use crate::tracks::handle::Handle;
+use crate::tracks::initiation::PairLimits;
+use crate::tracks::life::Life;
+use crate::tracks::track::{LastScan, LiveTrack};
 
 impl Tracker {
     /// Settles the plots that no confirmed track can still claim; those not explained feed the clutter map and,
     /// paired with one of the turn before, start tentative tracks.
-    pub(super) fn start_tracks(&mut self, covered_rad: f64, site: &mut Site, tracks: &mut Vec<Track>) {
-        let Self { agenda, tracks: roster, .. } = self;
-        let begins = |track| roster.find(track).map(|place| roster[place].next.begins_rad());
+    pub(super) fn start_tracks(&mut self, covered_rad: f64, environment: &mut Environment, messages: &mut Vec<Track>) {
+        let Self { agenda, tracks, .. } = self;
+        let begins = |track| tracks.find(track).map(|place| tracks[place].next.begins_rad());
         let claimed_from = agenda.claimed_from(covered_rad, begins);
         let settled = self.plots.settle(claimed_from);
-        self.earlier.build(&self.plots, settled.clone(), &self.reach, self.sweep.period_s());
-        for index in settled {
-            let entry = *self.plots.entry(index);
-            let last = self.plots.measurements(index..index + 1)[0];
+        self.births.index_earlier(&self.plots, settled.clone(), &self.limits, self.sweep.period_s());
+        for (nth, index) in settled.enumerate() {
+            let entry = self.plots.entry(index);
             let turn = (entry.angle_rad / TAU).max(0.0) as u32;
-            let mut claimed = entry.claimed;
-            if entry.explained <= EXPLAINED
-                && entry.owner.is_none()
-                && let Some(track) = self.start(&last, &entry, turn, site)
-            {
+            let (mut claimed, is_open) = (entry.claimed, entry.explained <= EXPLAINED && entry.owner.is_none());
+            if is_open && let Some(handle) = self.start(index, nth, turn, environment) {
+                let (place, track) = (handle.place as usize, &self.tracks[handle.place as usize]);
                 claimed = claimed.max(track.life.existence);
-                tracks.push(track.message());
                 self.confirmed += u32::from(track.life.is_confirmed());
-                let next = track.next;
-                let handle = self.tracks.add(track);
-                self.agenda.note(handle, &next);
+                self.agenda.add(handle, &track.next);
+                self.forecast.tell(environment, &self.tracks, place, messages);
                 self.plots.entry_mut(index).owner = Some(handle);
             }
-            site.clutter.observe(&last, 1.0 - claimed, turn);
+            environment.clutter.observe(self.plots.measurement(index), 1.0 - claimed, turn);
         }
     }
 
-    /// A tentative track that ends at the plot `last`, if there is a plot of the turn before to begin it.
-    fn start(&mut self, last: &Measurement, entry: &Entry, turn: u32, site: &Site) -> Option<LiveTrack> {
-        let (previous, step_s) = self.partner(last, entry.angle_rad)?;
-        let existence = site.start_existence(&previous, last, step_s, turn, &self.reach, &self.config);
+    /// A tentative track that ends at the stored plot `index`, the `nth` of those settled, if there is a plot of the turn before to begin it.
+    fn start(&mut self, index: usize, nth: usize, turn: u32, environment: &Environment) -> Option<Handle> {
+        let (previous, step_s) = self.partner(index, nth)?;
+        let (entry, last) = (*self.plots.entry(index), self.plots.measurement(index));
+        let previous = self.plots.measurement(previous);
+        let existence = environment.start_existence(previous, last, step_s, turn, &self.limits, &self.config);
         if existence < LEAST_EXISTENCE {
             return None;
         }
-        let posterior = two_plots(&previous, last, step_s, &site.kinematics.motion, START_PROBABILITY);
-        if !posterior.is_sound() {
+        let Self { births: Births { state, .. }, tracks, .. } = self;
+        environment.filter.start(&TwoPlots { previous, last, step_s }, state);
+        let mixture = Mixture::new(environment.filter.layout(), state);
+        if !mixture.is_sound() {
             return None;
         }
-        let mut amplitude = Amplitude::prior(&self.config, &site.detector);
-        for plot in [&previous, last].into_iter().filter(|plot| plot.has_power) {
-            amplitude.learn(plot.power, 1.0, site.detector.threshold);
+        let mut amplitude = Amplitude::prior(&self.config, &environment.detector);
+        for plot in [previous, last].into_iter().filter(|plot| plot.has_power) {
+            amplitude.learn(plot.power, 1.0, environment.detector.threshold);
         }
-        let hypotheses = (self.config.association == Association::Mht)
-            .then(|| self.tracks.hypotheses(&posterior, self.config.hypotheses as usize));
+        let hypotheses = Hypotheses::most(&self.config).map(|most| tracks.hypotheses(state, most));
         let id = self.next_id;
         self.next_id += 1;
         let (time_ns, angle_rad) = (last.time_ns, entry.angle_rad);
-        let meeting = site.kinematics.meeting(&posterior, time_ns, angle_rad, 1.0, &self.sweep);
-        Some(LiveTrack {
+        let of = |i: usize| mixture.mean_of(i);
+        let time = DetectionTime::predict([of(0), of(1)], [of(3), of(4)], time_ns, angle_rad, &self.sweep);
+        let here = Opportunity {
+            time_ns,
+            angle_rad,
+            half_width_rad: 0.0,
+            range_m: [last.polar[0]; 2],
+            position_m: last.position,
+        };
+        let track = LiveTrack {
             id,
-            posterior,
             hypotheses,
             time_ns,
             angle_rad,
             searched_to_rad: angle_rad,
-            next: site.kinematics.passage(&posterior, &meeting, &self.sweep, &site.radar),
-            last: Passage {
-                prediction: posterior,
-                time_ns,
-                angle_rad,
-                half_width_rad: 0.0,
-                range_m: [last.polar[0]; 2],
-            },
+            next: here,
+            last: here,
             life: Life::start(existence, &self.config),
             amplitude,
             last_scan: LastScan {
@@ -103,71 +97,101 @@ impl Tracker {
                 best_plot: (entry.seq, entry.index),
                 ..LastScan::EMPTY
             },
-            twin: None,
+            duplicate_of: None,
             scans_apart: 0,
-        })
+        };
+        let handle = tracks.add(track, state);
+        let place = handle.place as usize;
+        self.forecast.predict_one(environment, self.rules.alpha, tracks, place, time, &self.sweep);
+        Some(handle)
     }
 
     /// The best plot of the turn before for a start, and the time between the two.
-    fn partner(&mut self, last: &Measurement, angle_rad: f64) -> Option<(Measurement, f64)> {
-        let period_s = self.sweep.period_s();
-        let half_azimuth_rad = self.reach.azimuth_rad(last, LONGEST_STEP * period_s);
+    fn partner(&mut self, index: usize, nth: usize) -> Option<(usize, f64)> {
+        let Self { births, plots, limits, sweep, .. } = self;
+        let (last, angle_rad) = (plots.measurement(index), plots.entry(index).angle_rad);
+        let period_s = sweep.period_s();
+        let half_azimuth_rad = births.half_azimuths_rad[nth];
         let mut best: Option<(f64, usize, f64)> = None;
-        self.earlier.find(last, half_azimuth_rad, &self.reach, period_s);
-        for index in self.earlier.found() {
-            let (previous, entry) = (&self.plots.measurements(index..index + 1)[0], self.plots.entry(index));
+        births.find_earlier(last, half_azimuth_rad, limits, period_s);
+        for index in births.found() {
+            let (previous, entry) = (plots.measurement(index), plots.entry(index));
             let step_s = seconds_between(previous.time_ns, last.time_ns);
-            if step_s < SHORTEST_STEP * period_s
-                || (entry.angle_rad - angle_rad + TAU).abs() > half_azimuth_rad
-                || entry.explained > EXPLAINED
-            {
+            if step_s < STEP_TURNS[0] * period_s || (entry.angle_rad - angle_rad + TAU).abs() > half_azimuth_rad {
                 continue;
             }
-            if let Some(misfit) = self.reach.misfit(previous, last, step_s)
+            if let Some(misfit) = limits.misfit(previous, last, step_s)
                 && best.is_none_or(|(least, other, _)| (misfit, index) < (least, other))
             {
                 best = Some((misfit, index, step_s));
             }
         }
-        best.map(|(_, index, step_s)| (self.plots.measurements(index..index + 1)[0], step_s))
+        best.map(|(_, index, step_s)| (index, step_s))
     }
 }
 
-/// The plots of the turn before with which those that have just been settled may be paired.
-#[derive(Debug, Default)]
-pub(super) struct Earlier {
-    first: usize,
+/// Room for the starts of a message: the plots of the turn before with which those that have just been settled may be paired.
+#[derive(Debug)]
+pub(super) struct Births {
     index: PlotIndex,
-    /// Largest variance of range.
-    variance: f64,
-    /// What was found last, from `first` on.
+    /// Half widths in azimuth of where the partner of each settled plot may lie.
+    half_azimuths_rad: Vec<f64>,
+    /// Stored plots of the index: those that no confirmed track explains.
+    open: Vec<u32>,
+    /// Largest variances of range, and of position across the line of sight.
+    variance: [f64; 2],
+    /// What was found last, of the index.
     found: Vec<u32>,
+    /// The state of a track that starts.
+    state: Vec<f64>,
 }
 
-impl Earlier {
-    fn build(&mut self, plots: &PlotStore, settled: Range<usize>, reach: &Reach, period_s: f64) {
+impl Births {
+    pub(super) fn new(layout: &Layout) -> Self {
+        Self {
+            index: PlotIndex::default(),
+            half_azimuths_rad: Vec::new(),
+            open: Vec::new(),
+            variance: [0.0; 2],
+            found: Vec::new(),
+            state: vec![0.0; layout.words()],
+        }
+    }
+
+    fn index_earlier(&mut self, plots: &PlotStore, settled: Range<usize>, limits: &PairLimits, period_s: f64) {
         let mut angles_rad = [f64::INFINITY, f64::NEG_INFINITY];
+        self.half_azimuths_rad.clear();
         for (index, last) in settled.clone().zip(plots.measurements(settled)) {
             let (angle_rad, reach_rad) =
-                (plots.entry(index).angle_rad - TAU, reach.azimuth_rad(last, LONGEST_STEP * period_s));
+                (plots.entry(index).angle_rad - TAU, limits.azimuth_rad(last, STEP_TURNS[1] * period_s));
+            self.half_azimuths_rad.push(reach_rad);
             angles_rad = [angles_rad[0].min(angle_rad - reach_rad), angles_rad[1].max(angle_rad + reach_rad)];
         }
         let range = plots.between(angles_rad[0], angles_rad[1]);
-        self.first = range.start;
-        self.variance = 0.0;
-        let variance = &mut self.variance;
-        self.index.build(plots.measurements(range).iter().inspect(|plot| *variance = variance.max(plot.variance[0])));
+        // As if all were open: how many are varies by chance, and should not allocate for ever.
+        self.open.clear();
+        self.open.reserve(range.len());
+        self.index.reserve(range.len());
+        self.open.extend(range.filter(|&plot| plots.entry(plot).explained <= EXPLAINED).map(|plot| plot as u32));
+        self.variance = [0.0; 2];
+        let [along, across] = &mut self.variance;
+        let open = self.open.iter().map(|&plot| plots.measurement(plot as usize));
+        self.index.build(open.inspect(|plot| {
+            *along = along.max(plot.variance[0]);
+            *across = across.max(PairLimits::variance_across(plot));
+        }));
     }
 
     /// Finds the plots in reach of `last`, and some beyond it.
-    fn find(&mut self, last: &Measurement, half_azimuth_rad: f64, reach: &Reach, period_s: f64) {
-        let range_m = reach.range_m(last, LONGEST_STEP * period_s, self.variance);
-        let (azimuth_rad, elevation_rad) = (angle::wrap(last.polar[1]), Window::ANY_ELEVATION);
+    fn find_earlier(&mut self, last: &Measurement, half_azimuth_rad: f64, limits: &PairLimits, period_s: f64) {
+        let range_m = limits.range_m(last, STEP_TURNS[1] * period_s, self.variance[0]);
+        let azimuth_rad = angle::wrap(last.polar[1]);
+        let elevation_rad = limits.elevation_rad(last, STEP_TURNS[1] * period_s, self.variance);
         self.index.find(&Window { azimuth_rad, half_azimuth_rad, range_m, elevation_rad }, &mut self.found);
     }
 
     /// The stored plots that were found.
     fn found(&self) -> impl Iterator<Item = usize> {
-        self.found.iter().map(|&plot| self.first + plot as usize)
+        self.found.iter().map(|&plot| self.open[plot as usize] as usize)
     }
 }

@@ -6,11 +6,13 @@ use common::geometry::{Polar, range_rate_mps};
 use nalgebra::Vector3;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
-use tracker::gate::Radar;
-use tracker::imm::Imm;
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::Motion;
-use tracker::start::two_plots;
+use tracker::filter::uav::Uav;
+use tracker::filter::{Filter, Mixture, TwoPlots};
+use tracker::plots::measurement::{COORDINATES, Measurement};
+use tracker::plots::radar::Radar;
+
+use crate::reference::imm::Imm;
+use crate::reference::motion::Motion;
 
 /// Errors of (r, β, ε, ṙ); m, rad, rad, m/s.
 pub(crate) const SIGMA: [f64; COORDINATES] = [20.0, 0.0017, 0.0017, 10.0];
@@ -24,8 +26,22 @@ pub(crate) fn radar(full: bool) -> Radar {
     Radar { variance: SIGMA.map(|sigma| sigma * sigma), cell: CELL, measured: [true, true, full, full] }
 }
 
-pub(crate) fn motion(full: bool) -> Motion {
-    Motion { noise: [1.0, 1.0, 7.0], axes: if full { 3 } else { 2 } }
+/// The filter under test.
+pub(crate) fn filter(full: bool, stay: f64) -> Uav {
+    let axes = if full { 3 } else { 2 };
+    Uav { noise: [1.0, 1.0, 7.0], axes, stay, start_probability: [0.33, 0.34, 0.33] }
+}
+
+/// Its modes.
+pub(crate) fn motion(filter: &Uav) -> Motion {
+    Motion { noise: filter.noise, axes: filter.axes }
+}
+
+/// Two plots as a state of the filter under test.
+pub(crate) fn two_plots(filter: &Uav, previous: &Measurement, last: &Measurement, step_s: f64) -> Imm {
+    let mut state = vec![0.0; filter.layout().words()];
+    filter.start(&TwoPlots { previous, last, step_s }, &mut state);
+    Imm::of(Mixture::new(filter.layout(), &state))
 }
 
 /// A plot at (r, β, ε, ṙ) with `scale` times the errors.
@@ -36,6 +52,7 @@ pub(crate) fn measurement(polar: [f64; COORDINATES], scale: f64, measured: [bool
         time_ns: 0,
         position: place.to_enu().into(),
         polar,
+        cos_elevation: polar[2].cos(),
         variance: std::array::from_fn(|i| if measured[i] { (SIGMA[i] * scale).powi(2) } else { 0.0 }),
         power: 20.0,
         measured,
@@ -92,7 +109,7 @@ impl Flight {
     pub(crate) fn start(&self, rng: &mut impl Rng) -> Imm {
         let measured = [true, true, self.full, self.full];
         let (first, second) = (self.plot(rng, 1.0, 1.0, measured), self.plot(rng, 1.0, 1.0, measured));
-        two_plots(&first, &second, 1.0, &motion(self.full), [0.33, 0.34, 0.33])
+        two_plots(&filter(self.full, 0.9), &first, &second, 1.0)
     }
 }
 

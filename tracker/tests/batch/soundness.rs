@@ -1,4 +1,4 @@
-//! Whatever comes in, what the kernel and the plain code make of it is sound, and rounding does not show.
+//! Whatever comes in, what the vectors and the plain code make of it is sound, and rounding does not show.
 
 use std::f64::consts::TAU;
 
@@ -6,18 +6,18 @@ use common::config::{Association, TrackerConfig};
 use common::random::{Purpose, generator};
 use nalgebra::DMatrix;
 use proptest::prelude::*;
+use tracker::association::scan::{Member, Scan};
 use tracker::association::{FalsePlots, Rules, Surroundings};
-use tracker::batch::{Block, Candidates, Forecast, Kernel, LANES, Step, Weights};
-use tracker::imm::{Imm, transition};
-use tracker::measurement::{COORDINATES, Measurement};
-use tracker::motion::{DIMENSIONS, MODES};
-use tracker::start::two_plots;
-use tracker::state::{Gaussian, at};
-use tracker::update::{Workspace, update};
+use tracker::filter::gaussian::{Gaussian, at};
+use tracker::filter::uav::MODES;
+use tracker::filter::{Filter, LANES, Machine, Row};
+use tracker::plots::measurement::{COORDINATES, Measurement};
 
-use crate::flight::{ALPHA, Flight, SIGMA, measurement, motion, radar};
-use crate::plain::{self, Choice};
-use crate::{assert_expectation, close, disagreement, instructions};
+use crate::flight::{ALPHA, Flight, SIGMA, filter, measurement, motion, radar, two_plots};
+use crate::reference::imm::{Imm, transition};
+use crate::reference::motion::DIMENSIONS;
+use crate::reference::rule::{self, Choice};
+use crate::{Lanes, assert_expectation, close, disagreement, instructions, state_of};
 
 /// Positive definite on the states that the mode knows, up to rounding.
 fn is_positive_definite(imm: &Imm, axes: usize) -> bool {
@@ -36,35 +36,34 @@ fn is_positive_definite(imm: &Imm, axes: usize) -> bool {
 /// A million track-scans: whatever the plots, covariances stay positive definite and probabilities sum to 1.
 #[test]
 fn a_million_scans_stay_sound() {
-    let (motion, kernel) = (motion(true), Kernel::new(motion(true), radar(true), ALPHA, 0.0));
+    let filter = filter(true, 0.9);
     let mut rng = generator(4, Purpose::Test, 0, 0);
-    let (mut forecast, mut offered, mut weights) = (Forecast::default(), Candidates::default(), Weights::default());
-    let mut block = Block::default();
+    let mut group = Lanes::new(filter, pulp::Arch::new(), radar(true), 0.0);
     let mut flights: Vec<Flight> = Vec::new();
     let measured = [true; COORDINATES];
     for scan in 0..1_000_000 / LANES {
         if scan % 500 == 0 {
             flights = (0..LANES).map(|_| Flight::new(&mut rng, true)).collect();
             for (lane, flight) in flights.iter().enumerate() {
-                block.load(lane, &flight.start(&mut rng));
+                group.load(lane, &flight.start(&mut rng));
             }
         }
         let dt_s = if scan % 7 == 0 { 5.0 } else { 1.0 };
-        kernel.predict(&block, &Step::splat(dt_s, &transition(0.9, dt_s)), &mut forecast);
-        offered.clear();
+        group.predict(LANES, &Row::splat(dt_s));
         for (lane, flight) in flights.iter_mut().enumerate() {
             flight.fly(&mut rng, dt_s);
-            offered.set_none(lane, [0.1; MODES]);
+            group.evidence.set_none(lane, &[0.1; MODES]);
             for k in 0..(scan + 3 * lane) % 5 {
                 let scale = [1.0, 1.0, 0.1, 5.0][(scan / 5 + lane) % 4];
-                offered.add(lane, &flight.plot(&mut rng, if k == 0 { 1.0 } else { 4.0 }, scale, measured), 0.0, 1e9);
+                let plot = flight.plot(&mut rng, if k == 0 { 1.0 } else { 4.0 }, scale, measured);
+                group.evidence.add(lane, &plot, 0.0, 1e9);
             }
         }
-        kernel.update(&forecast, &offered, &mut weights, &mut block);
+        group.update(LANES);
         for lane in 0..LANES {
-            let track = block.store(lane);
+            let track = state_of(&group.update.posterior, lane);
             assert!(track.is_sound(), "lane {lane} of scan {scan}");
-            assert!(is_positive_definite(&track, motion.axes), "lane {lane} of scan {scan}");
+            assert!(is_positive_definite(&track, filter.axes), "lane {lane} of scan {scan}");
         }
     }
 }
@@ -72,11 +71,10 @@ fn a_million_scans_stay_sound() {
 /// P* that rounding has left with less than nothing along the line of sight: gates stay finite, and a plot is worth the same to both.
 #[test]
 fn a_predicted_variance_below_zero_is_none() {
-    let (radar, motion) = (radar(true), motion(true));
-    let kernel = Kernel::new(motion, radar, ALPHA, 0.0);
+    let (radar, filter) = (radar(true), filter(true, 0.9));
     let polar = [10_000.0, TAU / 8.0, 0.0, 0.0];
     let plot = measurement(polar, 10.0, [true; COORDINATES]);
-    let mut track = two_plots(&plot, &plot, 1.0, &motion, [0.33, 0.34, 0.33]);
+    let mut track = two_plots(&filter, &plot, &plot, 1.0);
     for (mode, n) in DIMENSIONS.into_iter().enumerate() {
         // Towards 45°: (p_xx + 2 p_xy + p_yy)/2, of the position and of the velocity.
         for (x, variance, below) in [(0, 1e6, 1e4), (3, 1e4, 5e3)].into_iter().filter(|(x, ..)| x + 1 < n) {
@@ -85,21 +83,19 @@ fn a_predicted_variance_below_zero_is_none() {
             (0..n).filter(|i| i / 3 != x / 3).for_each(|i| (p[at(i, x)], p[at(i, x + 1)]) = (0.0, 0.0));
         }
     }
-    let (mut block, mut forecast) = (Block::default(), Forecast::default());
-    block.load(3, &track);
-    forecast.prediction = block;
-    kernel.expect(&mut forecast);
-    assert_expectation(&forecast, 3, &track, &radar);
-    let gates = plain::gates(&plain::expect(&track), &radar, ALPHA);
+    let mut group = Lanes::new(filter, pulp::Arch::new(), radar, 0.0);
+    group.prediction.load(3, &track.words(&filter));
+    group.expect(LANES);
+    assert_expectation(&group.expected, 3, &track, &radar);
+    let gates = rule::gates(&rule::expect(&track), &radar, ALPHA);
     assert!(gates.iter().all(|gate| gate.volume(&radar).is_finite() && gate.predicted[0] == 0.0));
     assert!(gates[1..].iter().all(|gate| gate.predicted[3] == 0.0));
     let choice = Choice { plot, offset_s: 0.0, gain: 1e12 };
-    let (mut offered, mut weights) = (Candidates::default(), Weights::default());
-    offered.clear();
-    offered.set_none(3, [0.1; MODES]);
-    offered.add(3, &choice.plot, choice.offset_s, choice.gain);
-    kernel.update(&forecast, &offered, &mut weights, &mut block);
-    let plain = plain::update(&track, &[choice], [0.1; MODES], 0.0);
+    group.evidence.set_none(3, &[0.1; MODES]);
+    group.evidence.add(3, &choice.plot, choice.offset_s, choice.gain);
+    group.update(LANES);
+    let weights = &group.update.weights;
+    let plain = rule::update(&track, &[choice], [0.1; MODES], 0.0);
     for (mode, likelihood) in plain.likelihood.into_iter().enumerate() {
         assert!(likelihood > 0.2 && close(weights.likelihood[mode].0[3], likelihood), "{mode}: {likelihood}");
     }
@@ -109,32 +105,33 @@ fn a_predicted_variance_below_zero_is_none() {
 /// D⁻¹ at 30 standard deviations, must not take the place of what is left.
 #[test]
 fn the_covariance_after_one_certain_plot_does_not_depend_on_its_place() {
-    let (motion, radar) = (motion(true), radar(true));
-    let kernels = instructions().into_iter().map(|on| Kernel::new(motion, radar, ALPHA, 0.0).on(on));
+    let (filter, radar) = (filter(true, 0.9), radar(true));
     let (range_m, measured) = (10_000.0, [true, true, true, false]);
     let start = measurement([range_m, 0.7, 0.3, 0.0], 30.0, measured);
     let plot = |deviations: f64| measurement([range_m + deviations * 30.0 * SIGMA[0], 0.7, 0.3, 0.0], 0.03, measured);
-    let prediction = two_plots(&start, &start, 1.0, &motion, [0.33, 0.34, 0.33]);
-    let prediction = prediction.predict(&transition(0.9, 1e-3), &motion, 1e-3);
+    let prediction = two_plots(&filter, &start, &start, 1.0);
+    let prediction = prediction.predict(&transition(0.9, 1e-3), &motion(&filter), 1e-3);
     let after = |deviations: f64| {
         let mut posteriors = Vec::new();
-        for kernel in kernels.clone() {
-            let (mut forecast, mut offered) = (Forecast::default(), Candidates::default());
-            let (mut weights, mut block) = (Weights::default(), Block::default());
-            forecast.prediction.load(0, &prediction);
-            kernel.expect(&mut forecast);
-            offered.clear();
-            offered.set_none(0, [0.0; MODES]);
-            offered.add(0, &plot(deviations), 0.0, 1e250);
-            kernel.update(&forecast, &offered, &mut weights, &mut block);
-            posteriors.push(block.store(0));
+        for (arch, lanes) in instructions().into_iter().flat_map(|arch| [(arch, 1), (arch, LANES)]) {
+            let mut group = Lanes::new(filter, arch, radar, 0.0);
+            group.prediction.load(0, &prediction.words(&filter));
+            group.expect(lanes);
+            group.evidence.set_none(0, &[0.0; MODES]);
+            group.evidence.add(0, &plot(deviations), 0.0, 1e250);
+            group.update(lanes);
+            posteriors.push(state_of(&group.update.posterior, 0));
         }
         let rules = Rules { association: Association::Nearest, alpha: 1e3, ..Rules::new(&TrackerConfig::default()) };
-        let clutter = |_: &[f64; COORDINATES]| FalsePlots { density: 1e-9, mean_excess: 1.0 };
+        let clutter = |_: &Measurement| FalsePlots { density: 1e-9, mean_excess: 1.0 };
         let surroundings =
             Surroundings { radar: &radar, detection_probability: 0.9, target: None, shares: &[], clutter };
-        let outcome = update(&prediction, 0, &[plot(deviations)], &surroundings, &rules, &mut Workspace::default());
-        posteriors.push(outcome.posterior);
+        let mut scan = Scan::new(filter.layout());
+        scan.prediction.load(0, &prediction.words(&filter));
+        let plots = [plot(deviations)];
+        let member = Member { time_ns: 0, plots: &plots, surroundings };
+        scan.update(&filter, Machine::default(), [member].into_iter(), &radar, &rules);
+        posteriors.push(state_of(&scan.update.posterior, 0));
         posteriors
     };
     for (near, far) in after(0.0).iter().zip(&after(30.0)) {
@@ -166,34 +163,35 @@ proptest! {
             })
             .collect();
         let step_s = 10.0_f64.powf(log_step);
-        let motion = motion(true);
-        let mut plain = two_plots(&plots[0].0, &plots[1].0, step_s, &motion, [0.33, 0.34, 0.33]);
-        let (mut block, mut forecast) = (Block::default(), Forecast::default());
-        let (mut offered, mut weights) = (Candidates::default(), Weights::default());
-        block.load(5, &plain);
+        let filter = filter(true, 0.9);
+        let motion = motion(&filter);
+        let mut plain = two_plots(&filter, &plots[0].0, &plots[1].0, step_s);
         let chain = transition(0.9, step_s);
         let choices: Vec<Choice> =
             plots.iter().map(|(plot, gain)| Choice { plot: *plot, offset_s, gain: *gain }).collect();
+        let mut batch = plain;
         for instructions in instructions() {
-            let kernel = Kernel::new(motion, radar(true), ALPHA, 0.0).on(instructions);
+            let mut group = Lanes::new(filter, instructions, radar(true), 0.0);
             for _ in 0..3 {
-                kernel.predict(&block, &Step::splat(step_s, &chain), &mut forecast);
-                offered.clear();
-                offered.set_none(5, none);
+                group.load(5, &batch);
+                group.predict(LANES, &Row::splat(step_s));
+                group.evidence.set_none(5, &none);
                 for choice in &choices {
-                    offered.add(5, &choice.plot, choice.offset_s, choice.gain);
+                    group.evidence.add(5, &choice.plot, choice.offset_s, choice.gain);
                 }
-                kernel.update(&forecast, &offered, &mut weights, &mut block);
-                let predictions = [forecast.prediction.store(5), plain.predict(&chain, &motion, step_s)];
-                plain = plain::update(&predictions[1], &choices, none, 0.0).imm;
-                for (track, prediction) in [block.store(5), plain].iter().zip(&predictions) {
+                group.update(LANES);
+                batch = state_of(&group.update.posterior, 5);
+                let weights = &group.update.weights;
+                let predictions = [state_of(&group.prediction, 5), plain.predict(&chain, &motion, step_s)];
+                plain = rule::update(&predictions[1], &choices, none, 0.0).imm;
+                for (track, prediction) in [batch, plain].iter().zip(&predictions) {
                     let sum: f64 = track.probability.iter().sum();
                     prop_assert!((sum - 1.0).abs() < 1e-9, "{sum}");
                     prop_assert!(track.is_sound() || !prediction.is_sound());
                 }
                 for j in (0..MODES).filter(|_| predictions[0].is_sound()) {
                     prop_assert!(!weights.likelihood[j].0[5].is_nan());
-                    let sum: f64 = weights.plots[..choices.len()].iter().map(|rows| rows[j].0[5]).sum();
+                    let sum: f64 = (0..choices.len()).map(|m| weights.plots[m * MODES + j].0[5]).sum();
                     prop_assert!((sum + weights.none[j].0[5] - 1.0).abs() < 1e-9, "{sum}");
                 }
                 if !predictions.iter().all(Imm::is_sound) {

@@ -17,16 +17,17 @@ use common::angle;
 use common::config::TrackerConfig;
 use common::plots::Plot;
 use common::random::{Purpose, generator};
+use common::tracks::Track;
 use radar_sim::motion::Segments;
 use rand::Rng;
 use tracker::Tracker;
-use tracker::track::LiveTrack;
+use tracker::filter::gaussian::Gaussian;
 
 use super::radar::{Flight, Look, stated_sigma};
 use crate::accuracy::Score;
 use crate::follow::{Follower, LOST_DISTANCE_M, errors_of};
 use crate::trajectory::SCANS;
-use crate::world::{Sight, mode_before, place, plot, scattered};
+use crate::world::{Sight, kind_before, place, plot, scattered};
 
 /// Ways from the target to a track.
 pub(super) const ARMS: usize = 6;
@@ -84,9 +85,8 @@ pub(super) fn through_tracker(
         let mut rng = generator(seed, Purpose::Measurement, run, scan);
         let plots = replaced(arm, flight, look, motion, &mut rng);
         for (header, plots) in flight.messages(scan, &plots) {
-            tracker.take(&header, &plots, &mut tracks);
-            for updated in tracks.iter().filter(|track| track.is_confirmed()) {
-                let Some(track) = tracker.alive().iter().find(|track| track.id == updated.id) else { continue };
+            tracker.process_plots(&header, &plots, &mut tracks);
+            for track in tracks.iter().filter(|track| track.is_confirmed()) {
                 let (distance_m, score) = score(track, motion, flight.seconds(track.time_ns));
                 let Some(best) = (score.k as usize).checked_sub(1).and_then(|index| scores.get_mut(index)) else {
                     continue;
@@ -123,7 +123,7 @@ pub(super) fn sights_of(flight: &Flight, motion: &Segments, seed: u64, run: u32)
             truth,
             plot: plot(polar, power),
             detected: look.own.is_some() || scan < 2,
-            mode: mode_before(motion, look.time_s),
+            kind: kind_before(motion, look.time_s),
         }
     };
     (0..).zip(&flight.looks).map(sight).collect()
@@ -158,11 +158,13 @@ fn replaced(arm: Arm, flight: &Flight, look: &Look, motion: &Segments, rng: &mut
 
 /// Distance of a track from the truth at its time, and the errors of its last update. The beam passes at a fraction of a second after
 /// the start of a turn: k is the scan that it is nearest to.
-fn score(track: &LiveTrack, motion: &Segments, time_s: f64) -> (f64, Score) {
+fn score(track: &Track, motion: &Segments, time_s: f64) -> (f64, Score) {
     let truth = motion.at(time_s);
-    let errors = errors_of(&track.last.prediction, &track.posterior, &truth);
+    let predicted = Gaussian::from_message(&track.predicted_state, &track.predicted_covariance);
+    let estimate = Gaussian::from_message(&track.state, &track.covariance);
+    let errors = errors_of(&predicted, &estimate, &truth);
     let k = time_s.round() as i64 - 1;
-    let correct = track.posterior.most_probable() == mode_before(motion, (k + 1) as f64);
+    let correct = track.most_probable_kind() == kind_before(motion, (k + 1) as f64);
     let all = [errors.predicted_m, errors.position_m, errors.velocity_mps];
     (errors.position_m.norm(), Score::new(k.max(0) as u32, all, errors.nees_position, correct))
 }
@@ -173,7 +175,7 @@ mod tests {
     use crate::trajectory::Trajectory;
     use crate::world::offset;
     use common::config::Swerling;
-    use tracker::measurement::Measurement;
+    use tracker::plots::measurement::Measurement;
 
     /// The filter alone is given what the tracker without a map is: a difference between them is none of the target's plots.
     #[test]

@@ -1,0 +1,28 @@
+//! Numbers that tune the tracker and are no configuration: nobody has yet had a reason to change them.
+
+/// Association weight with a confirmed track from which a plot starts no new one and is no evidence for a tentative one.
+pub(crate) const EXPLAINED: f64 = 0.2;
+/// Weight of "none" above which a scan counts as one without a plot.
+pub(crate) const MISS_WEIGHT: f64 = 0.5;
+/// Scans for which two targets may be a single plot before that speaks against one of them.
+pub(crate) const MERGED_SCANS: u32 = 12;
+/// Probability of not being resolved below which two tracks are apart.
+pub(crate) const APART: f64 = 0.5;
+
+/// Scans in which two tracks share their best plot before one of them goes: if one is tentative, and if both are confirmed.
+pub(crate) const SHARED_SCANS: [u32; 2] = [2, 6];
+/// The same of two that have been seen apart and may have plots in common: two targets that the radar does not resolve for as long are one
+/// to it. Drones that cross in one cell share their plots for some fifteen scans, and their velocities come near each other.
+pub(crate) const SHARED_SCANS_APART: u32 = 30;
+/// Squared distance of two tracks' positions and velocities below which they may be one: of χ² with 6 degrees of freedom, 0.999.
+pub(crate) const SAME: f64 = 22.458;
+
+/// A prediction is renewed if the beam will pass this much earlier or later than it was made for, s.
+pub(crate) const TIMING_S: f64 = 0.02;
+/// A plot this far behind what has been processed may still be used, cells of azimuth: interpolation moves plots a little.
+pub(crate) const LATE_CELLS: f64 = 2.0;
+
+/// Existence below which two plots start no track.
+pub(crate) const LEAST_EXISTENCE: f64 = 1e-5;
+/// Shortest and longest time between two plots of successive turns, turns.
+pub(crate) const STEP_TURNS: [f64; 2] = [0.25, 1.5];

@@ -1,0 +1,166 @@
+//! What is known of the radar and its surroundings, from the headers of its plots.
+
+use std::f64::consts::TAU;
+
+use common::amplitude::{Detector, TargetStatistics};
+use common::config::TrackerConfig;
+use common::plots::PlotsHeader;
+use common::units::from_db;
+
+use crate::association::clutter_map::ClutterMap;
+use crate::association::joint::Claimant;
+use crate::association::{FalsePlots, Surroundings};
+use crate::filter::{Filter, Machine, family};
+use crate::plots::measurement::Measurement;
+use crate::plots::radar::Radar;
+use crate::tracks::amplitude::Amplitude;
+use crate::tracks::initiation::PairLimits;
+use crate::tracks::track::LiveTrack;
+
+/// Cells tested per false plot where the radar does not say: its plots are not the result of a known threshold.
+const UNKNOWN_PFA: f64 = 1e-6;
+
+/// The radar as its headers describe it.
+#[derive(Debug)]
+pub(crate) struct Environment {
+    pub(crate) radar: Radar,
+    pub(crate) detector: Detector,
+    /// Whether the header says how plots were detected; else decision statistics have no scale.
+    pub(crate) threshold_is_known: bool,
+    /// Statistics of the power of a target of which nothing is known yet.
+    start_target: TargetStatistics,
+    pub(crate) filter: Box<dyn Filter>,
+    pub(crate) machine: Machine,
+    pub(crate) clutter: ClutterMap,
+}
+
+impl Environment {
+    /// From the header of a message, with nothing learnt of the clutter.
+    pub(crate) fn new(header: &PlotsHeader, config: &TrackerConfig, machine: Machine) -> Self {
+        let (cell, pfa) = (cells(header), pfa(header));
+        // Errors are uniform within a cell (C1); plots carry their own.
+        let variance = cell.map(|cell| cell * cell / 12.0);
+        let radar = Radar { variance, cell, measured: [true, true, cell[2] > 0.0, cell[3] > 0.0] };
+        let detector = Detector::new(pfa, header.reference_cells);
+        let base = config.clutter_floor.max(header.pfa);
+        Self {
+            radar,
+            detector,
+            threshold_is_known: header.pfa > 0.0,
+            start_target: detector.target(config.swerling, from_db(config.snr_db)),
+            filter: family(config, &radar),
+            machine,
+            clutter: ClutterMap::new(radar, detector, base, config.clutter_map_scans),
+        }
+    }
+
+    /// Whether a header still says the same of the radar.
+    #[expect(clippy::float_cmp, reason = "a header says the same or it does not")]
+    pub(crate) fn is_described_by(&self, header: &PlotsHeader) -> bool {
+        self.radar.cell == cells(header)
+            && self.detector.pfa == pfa(header)
+            && self.detector.reference_cells == header.reference_cells
+    }
+
+    /// Probability that a pair of plots is a new target rather than two false plots:
+    /// ```text
+    /// odds = (b/F₂) λ₂ · λ₁/(F₁ U)
+    /// ```
+    /// with b new targets and F false plots per cell, U the cells that the first plot could have been in.
+    pub(crate) fn start_existence(
+        &self,
+        previous: &Measurement,
+        last: &Measurement,
+        step_s: f64,
+        turn: u32,
+        limits: &PairLimits,
+        config: &TrackerConfig,
+    ) -> f64 {
+        let evidence = |plot: &Measurement| {
+            let here = self.clutter.without(plot, turn, previous);
+            let ratio = if plot.has_power && self.threshold_is_known {
+                self.start_target.likelihood_ratio_in_clutter(plot.power, here.mean_excess)
+            } else {
+                1.0
+            };
+            ratio / (here.density * self.clutter.cell_volume(plot))
+        };
+        let cells = limits.cells(last, step_s, &self.radar);
+        let odds = (config.start_density * evidence(last) * evidence(previous) / cells).min(1e12);
+        (odds / (1.0 + odds)).min(config.start_existence)
+    }
+
+    /// D of a track.
+    pub(crate) fn detection_probability(&self, config: &TrackerConfig, amplitude: &Amplitude) -> f64 {
+        match self.statistics(amplitude) {
+            Some(statistics) => statistics.detection_probability.min(config.detection_probability),
+            None => config.detection_probability,
+        }
+    }
+
+    /// Statistics of a track's power, where the radar's threshold is known.
+    pub(crate) fn statistics<'a>(&self, amplitude: &'a Amplitude) -> Option<&'a TargetStatistics> {
+        self.threshold_is_known.then(|| amplitude.statistics())
+    }
+
+    /// What a track knows of its surroundings in turn `turn`; `shares` are those of the plots offered to it.
+    pub(crate) fn surroundings<'a>(
+        &'a self,
+        config: &TrackerConfig,
+        amplitude: &'a Amplitude,
+        shares: &'a [f64],
+        turn: u32,
+    ) -> Surroundings<'a, impl Fn(&Measurement) -> FalsePlots> {
+        Surroundings {
+            radar: &self.radar,
+            detection_probability: self.detection_probability(config, amplitude),
+            target: self.statistics(amplitude),
+            shares,
+            clutter: self.clutter.in_scan(turn),
+        }
+    }
+
+    /// A track as one that wants plots in the scan of `time_ns`.
+    pub(crate) fn claimant<'a>(
+        &self,
+        config: &TrackerConfig,
+        track: &'a LiveTrack,
+        prediction: &'a [f64],
+        time_ns: u64,
+    ) -> Claimant<'a> {
+        Claimant {
+            prediction,
+            time_ns,
+            existence: track.life.existence,
+            detection_probability: self.detection_probability(config, &track.amplitude),
+            target: self.statistics(&track.amplitude).filter(|_| config.association.uses_power()),
+            seen_apart: track.is_seen_apart(config),
+        }
+    }
+}
+
+/// Sizes of a resolution cell: r, β, ε, ṙ.
+fn cells(header: &PlotsHeader) -> [f64; 4] {
+    [header.cell_range_m, header.cell_azimuth_rad, header.cell_elevation_rad, header.cell_range_rate_mps]
+}
+
+/// F, or what stands for it.
+fn pfa(header: &PlotsHeader) -> f64 {
+    if header.pfa > 0.0 { header.pfa } else { UNKNOWN_PFA }
+}
+
+/// Whether a header can be worked with.
+pub(crate) fn is_possible(header: &PlotsHeader) -> bool {
+    let within = |value: f64, low: f64, high: f64| value >= low && value <= high;
+    within(header.scan_period_s, 1e-3, 1e4)
+        && within(header.covered_from_rad, -TAU, 2.0 * TAU)
+        && within(header.covered_to_rad, header.covered_from_rad, 2.0 * TAU)
+        && within(header.cell_range_m, 1e-3, 1e6)
+        && within(header.cell_azimuth_rad, 1e-6, TAU)
+        && within(header.cell_elevation_rad, 0.0, TAU)
+        && within(header.cell_range_rate_mps, 0.0, 1e6)
+        && within(header.pfa, 0.0, 0.5)
+        && header.sectors_per_scan > 0
+        && header.sector < header.sectors_per_scan
+        && header.seq == u64::from(header.scan) * u64::from(header.sectors_per_scan) + u64::from(header.sector)
+}

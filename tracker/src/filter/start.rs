@@ -1,0 +1,67 @@
+//! Two plots make a state (T17).
+//!
+//! ```text
+//! position y_k,  velocity (y_k − y_(k−1))/T,  acceleration 0
+//! P_pp = R_k,  P_pv = R_k/T,  P_vv = (R_k + R_(k−1))/T² + a_j² T² I,  P_aa = a_j² I
+//! ```
+//!
+//! Full 3×3 blocks, the actual T. The term a_j²T² is the source's, on the safe side of the component's own noise.
+
+use common::geometry::Polar;
+
+use super::gaussian::{Gaussian, at};
+use super::propagate::Noise;
+use crate::plots::measurement::{LineOfSight, Measurement, position_covariance};
+
+/// The two plots that a track begins with.
+#[derive(Debug, Clone, Copy)]
+pub struct TwoPlots<'a> {
+    /// The earlier one.
+    pub previous: &'a Measurement,
+    /// The later one, at whose time the track begins.
+    pub last: &'a Measurement,
+    /// T > 0, s.
+    pub step_s: f64,
+}
+
+impl TwoPlots<'_> {
+    /// The state of a target that moves, with a component's noise.
+    pub(in crate::filter) fn moving(&self, noise: Noise) -> Gaussian {
+        let (r_last, r_previous) = (errors(self.last), errors(self.previous));
+        let mut gaussian = self.resting();
+        let (step_s, square) = (self.step_s, noise.amplitude * noise.amplitude);
+        for b in 0..3 {
+            gaussian.mean[3 + b] = (self.last.position[b] - self.previous.position[b]) / step_s;
+            for a in 0..3 {
+                gaussian.covariance[at(a, 3 + b)] = r_last[at(a, b)] / step_s;
+            }
+            for a in 0..=b {
+                gaussian.covariance[at(3 + a, 3 + b)] = (r_last[at(a, b)] + r_previous[at(a, b)]) / (step_s * step_s);
+            }
+        }
+        for axis in 0..noise.axes {
+            gaussian.covariance[at(3 + axis, 3 + axis)] += square * step_s * step_s;
+            gaussian.covariance[at(6 + axis, 6 + axis)] = square;
+        }
+        gaussian
+    }
+
+    /// The state of a target at rest: its position only.
+    pub(in crate::filter) fn resting(&self) -> Gaussian {
+        let mut gaussian = Gaussian::ZERO;
+        gaussian.mean[..3].copy_from_slice(&self.last.position);
+        gaussian.covariance[..6].copy_from_slice(&errors(self.last));
+        gaussian
+    }
+}
+
+/// R of a plot at its own place.
+fn errors(plot: &Measurement) -> [f64; 6] {
+    position_covariance(&line_of_sight(plot), [plot.variance[0], plot.variance[1], plot.variance[2]])
+}
+
+/// Directions at a plot; exact where the azimuth is, also above the antenna.
+fn line_of_sight(plot: &Measurement) -> LineOfSight {
+    let place = Polar { range_m: plot.polar[0], azimuth_rad: plot.polar[1], elevation_rad: plot.polar[2] };
+    LineOfSight::at(place.to_enu().into())
+}

@@ -1,0 +1,6 @@
+//! Plots: what they measure, and where they are kept and found.
+
+pub mod index;
+pub mod measurement;
+pub mod radar;
+pub mod store;

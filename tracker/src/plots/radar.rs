@@ -1,0 +1,28 @@
+//! What the radar measures, and how well in general.
+
+use super::measurement::COORDINATES;
+
+/// What the radar measures, and how well in general.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Radar {
+    /// σ² of (r, β, ε, ṙ).
+    pub variance: [f64; COORDINATES],
+    /// Sizes of a resolution cell in (r, β, ε, ṙ).
+    pub cell: [f64; COORDINATES],
+    /// Which of them are measured.
+    pub measured: [bool; COORDINATES],
+}
+
+impl Radar {
+    /// Number of measured coordinates.
+    pub fn dimensions(&self) -> usize {
+        self.measured.iter().filter(|measured| **measured).count()
+    }
+
+    /// Product of `extent` over the measured coordinates, as a volume in the measure of y (m³·m/s) at range
+    /// `r` (m) and elevation cosine `cos_e`: r² cos ε with elevation, r without.
+    pub fn volume(&self, extent: impl Fn(usize) -> f64, r: f64, cos_e: f64) -> f64 {
+        let product: f64 = (0..COORDINATES).filter(|&i| self.measured[i]).map(extent).product();
+        product * if self.measured[2] { r * r * cos_e } else { r }
+    }
+}
