@@ -28,6 +28,11 @@ results:
     cargo run --release -p experiments -- track-loss --runs 1000 --figures docs/img --page docs/results/track-loss.md
     cargo run --release -p experiments -- crossing --runs 1000 --figures docs/img --page docs/results/crossing.md
 
+# The documents that are made from the program
+docs:
+    cargo build
+    "${CARGO_TARGET_DIR:-target}/debug/radar-chain" config --docs > docs/configuration.md
+
 # What must hold before a change lands
 ci:
     bash .ci/run
@@ -35,10 +40,18 @@ ci:
 lib := "/usr/local/lib"
 sudo := if `id -u` == "0" { "" } else { "sudo" }
 
-# Install the program, its units, their user and a first configuration (deploy/README.md)
+release := env("CARGO_TARGET_DIR", "target") / "release"
+# What the manual needs beside the launcher
+tools := "recorder tracker plot-extractor plot-source parquet-export experiments"
+
+# Install the programs, completions and man pages, the units, their user and a first configuration (deploy/README.md)
 install:
-    cargo build --release --locked -p radar-chain
-    {{sudo}} install -Dm755 -t /usr/local/bin "${CARGO_TARGET_DIR:-target}/release/radar-chain"
+    cargo build --release --locked
+    {{sudo}} install -Dm755 -t /usr/local/bin $(printf "{{release}}/%s " radar-chain {{tools}})
+    {{release}}/radar-chain completions bash | {{sudo}} install -Dm644 /dev/stdin /usr/local/share/bash-completion/completions/radar-chain
+    {{release}}/radar-chain completions zsh | {{sudo}} install -Dm644 /dev/stdin /usr/local/share/zsh/site-functions/_radar-chain
+    {{release}}/radar-chain completions fish | {{sudo}} install -Dm644 /dev/stdin /usr/local/share/fish/vendor_completions.d/radar-chain.fish
+    {{sudo}} {{release}}/radar-chain man /usr/local/share/man/man1
     {{sudo}} install -Dm644 -t {{lib}}/systemd/system deploy/systemd/radar-chain*.service deploy/systemd/radar-chain.target
     {{sudo}} install -Dm644 -t {{lib}}/systemd/system/radar-chain-.service.d deploy/systemd/radar-chain-.service.d/*.conf
     {{sudo}} install -Dm644 deploy/systemd/sysusers.conf {{lib}}/sysusers.d/radar-chain.conf
@@ -50,7 +63,9 @@ install:
 uninstall:
     -{{sudo}} systemctl disable --now radar-chain.target radar-chain-plot-source.service
     {{sudo}} rm -rf {{lib}}/systemd/system/radar-chain*.service {{lib}}/systemd/system/radar-chain.target {{lib}}/systemd/system/radar-chain-.service.d
-    {{sudo}} rm -f {{lib}}/sysusers.d/radar-chain.conf /usr/local/bin/radar-chain
+    {{sudo}} rm -f {{lib}}/sysusers.d/radar-chain.conf $(printf "/usr/local/bin/%s " radar-chain {{tools}})
+    {{sudo}} rm -f /usr/local/share/bash-completion/completions/radar-chain /usr/local/share/zsh/site-functions/_radar-chain
+    {{sudo}} rm -f /usr/local/share/fish/vendor_completions.d/radar-chain.fish /usr/local/share/man/man1/radar-chain.1 /usr/local/share/man/man1/radar-chain-*.1
     {{sudo}} systemctl daemon-reload
 
 # Python layouts of the messages, from the Rust types

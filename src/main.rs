@@ -4,6 +4,7 @@ mod checks;
 mod claim;
 mod dispatch;
 mod keeper;
+mod manual;
 mod run;
 mod stages;
 mod watch;
@@ -13,7 +14,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::Context;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 use common::config::{self, Sites, Speed};
 use common::process::{BadInput, StageArgs};
 use recorder::window::Window;
@@ -37,21 +38,36 @@ const DEFAULT_CONFIG: &str = "config/uav.toml";
 ///   radar-chain compare soak-1/report.json soak-2/report.json
 ///   radar-chain chaos --kills 100                        kill stages, check the books
 ///   radar-chain doctor                                   is this machine fit?
-///   radar-chain config                                   every key with its value
+///   radar-chain config --explain                         every key with its value and meaning
+///   radar-chain recorder info recordings/FILE.mcap       what is in a recording
 #[derive(Parser)]
-#[command(name = "radar-chain", version, verbatim_doc_comment)]
+#[command(name = "radar-chain", version, verbatim_doc_comment, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
+    /// Without a command: `run`
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 #[derive(Subcommand)]
 enum Command {
     /// Launch the processes and supervise them until the source ends or Ctrl-C
+    ///
+    /// Examples:
+    ///   radar-chain run --scans 500 --speed max
+    ///   radar-chain run --config config/smr.toml --set plot_source.file=radar.ast
+    #[command(verbatim_doc_comment)]
     Run(RunArgs),
     /// Run the chain and judge its latencies, losses and memory: exit code 1 if a limit is broken
+    ///
+    /// Example: radar-chain soak --duration 8h --reference --budget end_to_end=3000@99
+    #[command(verbatim_doc_comment)]
     Soak(SoakArgs),
     /// Say whether a later soak is worse than an earlier one: exit code 1 if it is
+    ///
+    /// Example: radar-chain compare soak-1/report.json soak-2/report.json --tolerance 0.2
+    #[command(verbatim_doc_comment)]
     Compare {
         /// Report of the earlier soak
         a: PathBuf,
@@ -62,24 +78,73 @@ enum Command {
         tolerance: f64,
     },
     /// Run a chain until N of its stages have been killed, at random times, and check that nothing is lost uncounted
+    ///
+    /// Example: radar-chain chaos --kills 100 --speed 1
+    #[command(verbatim_doc_comment)]
     Chaos {
-        #[command(flatten)]
-        run: RunArgs,
         /// Stages to kill, one after the other
         #[arg(long, default_value_t = 20, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
         kills: u32,
+        #[command(flatten)]
+        run: RunArgs,
     },
     /// Look whether this machine is fit for the chain
+    ///
+    /// Example: radar-chain doctor --config config/uav.toml
+    #[command(verbatim_doc_comment)]
     Doctor(StatusArgs),
     /// Show the processes of a running chain
+    ///
+    /// Example: radar-chain status --ipc-prefix north --json
+    #[command(verbatim_doc_comment)]
     Status(StatusArgs),
     /// Print the effective configuration
-    Config(ChainArgs),
+    ///
+    /// Examples:
+    ///   radar-chain config --set run.speed=max > my.toml
+    ///   radar-chain config --config config/smr.toml --explain
+    #[command(verbatim_doc_comment)]
+    Config {
+        /// A line of explanation above each key
+        #[arg(long)]
+        explain: bool,
+        /// Every key with its unit, default, range and meaning, as Markdown
+        #[arg(long, conflicts_with = "explain")]
+        docs: bool,
+        #[command(flatten)]
+        chain: ChainArgs,
+    },
+    /// Print the completions of a shell
+    ///
+    /// Example: radar-chain completions bash > /usr/share/bash-completion/completions/radar-chain
+    #[command(verbatim_doc_comment)]
+    Completions {
+        /// Which shell
+        shell: clap_complete::Shell,
+    },
+    /// Write a man page for each command
+    ///
+    /// Example: radar-chain man /usr/local/share/man/man1
+    #[command(verbatim_doc_comment)]
+    Man {
+        /// Folder of the pages
+        folder: PathBuf,
+    },
+    /// Read, check, compare, export and replay recordings
+    ///
+    /// Example: radar-chain recorder info recordings/FILE.mcap
+    #[command(verbatim_doc_comment)]
+    Recorder {
+        #[command(subcommand)]
+        command: recorder::command_line::Command,
+    },
     /// One end of the bare hop that a soak compares with
     #[command(hide = true)]
     Hop(soak::HopArgs),
-    /// Run one process of the chain
-    #[command(hide = true)]
+    /// Run one process of the chain, as a service manager does
+    ///
+    /// Example: radar-chain stage tracker --config config/uav.toml
+    #[command(verbatim_doc_comment)]
     Stage {
         /// Which
         #[arg(value_parser = dispatch::names())]
@@ -109,8 +174,6 @@ struct ChainArgs {
 /// Options of `run`.
 #[derive(Args, Default)]
 struct RunArgs {
-    #[command(flatten)]
-    chain: ChainArgs,
     /// Replay a recording through the present stages, with the configuration in it unless --config is given
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
@@ -134,13 +197,13 @@ struct RunArgs {
     /// Where the report is written
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    chain: ChainArgs,
 }
 
 /// Options of `soak`.
 #[derive(Args)]
 struct SoakArgs {
-    #[command(flatten)]
-    run: RunArgs,
     /// How long, for example 8h or 30m; without it as many scans as `run` would
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     duration: Option<Duration>,
@@ -153,6 +216,8 @@ struct SoakArgs {
     /// Folder of the results
     #[arg(long, value_name = "DIR", default_value = "soak")]
     out: PathBuf,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 impl SoakArgs {
@@ -190,11 +255,11 @@ fn parse_duration(text: &str) -> Result<Duration, String> {
 /// Options of `status`.
 #[derive(Args)]
 struct StatusArgs {
-    #[command(flatten)]
-    chain: ChainArgs,
     /// As JSON
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    chain: ChainArgs,
 }
 
 impl ChainArgs {
@@ -266,9 +331,14 @@ fn toml_text(text: &str) -> String {
     format!("'''{text}'''")
 }
 
+/// The command line as clap has it, for its manual.
+pub(crate) fn command_line() -> clap::Command {
+    Arguments::command()
+}
+
 fn main() -> ExitCode {
-    let command = Arguments::parse().command.unwrap_or(Command::Run(RunArgs::default()));
-    match command {
+    let arguments = Arguments::parse();
+    match arguments.command.unwrap_or(Command::Run(arguments.run)) {
         Command::Run(args) => common::process::supervise("radar-chain", || run::run(args.load()?)),
         Command::Soak(args) => common::process::supervise("radar-chain", || {
             let plan = soak::Plan { duration: args.duration, out: args.out.clone(), reference: args.reference };
@@ -285,10 +355,18 @@ fn main() -> ExitCode {
         Command::Status(args) => {
             common::process::run("radar-chain", || status::status(&args.chain.load(Vec::new())?, args.json))
         }
-        Command::Config(args) => common::process::run("radar-chain", || {
-            print!("{}", args.load(Vec::new())?.to_toml());
+        Command::Config { explain, docs, chain } => common::process::run("radar-chain", || {
+            let text = match (explain, docs) {
+                (_, true) => config::reference(),
+                (true, _) => config::explained(&chain.load(Vec::new())?),
+                _ => chain.load(Vec::new())?.to_toml(),
+            };
+            print!("{text}");
             Ok(ExitCode::SUCCESS)
         }),
+        Command::Completions { shell } => common::process::run("radar-chain", || manual::print_completions(shell)),
+        Command::Man { folder } => common::process::run("radar-chain", || manual::write_man_pages(&folder)),
+        Command::Recorder { command } => common::process::run(recorder::process::NAME, || command.run()),
         Command::Stage { name, args } => common::process::run(&name, || dispatch::run_stage(&name, &args)),
     }
 }

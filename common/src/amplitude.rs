@@ -18,13 +18,14 @@
 //! the tails. Derivation: `docs/theory/amplitude.md`.
 
 use crate::units::from_db;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Signal-to-noise ratios over which an unknown one is averaged.
 const SNR_POINTS: usize = 5;
 
 /// How the amplitude of a target fluctuates from scan to scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Swerling {
     /// Swerling 0: constant.
     #[serde(rename = "0")]

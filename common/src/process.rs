@@ -122,29 +122,29 @@ pub fn supervise(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) ->
 }
 
 fn conclude(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
-    logging::start();
+    let logging = logging::start();
     // As what `ps` and `top` show it: a stage is started from the launcher's open file, whose name says nothing.
     let _ = std::ffi::CString::new(name).map(|name| rustix::thread::set_name(&name));
     // Several processes may write to one terminal: each line says whose it is.
     let _process = tracing::error_span!("process", name).entered();
-    match body() {
-        Ok(code) => code,
-        Err(error) if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(IpcError::Stopped { .. }))) => {
-            ExitCode::SUCCESS
-        }
-        Err(error) => {
-            if logging::is_for_programs() {
-                tracing::error!("{error:#}");
-            } else {
-                say(&format!("{name}: {error:#}"));
-            }
-            let usage = error.chain().any(|cause| cause.is::<ConfigError>() || cause.is::<BadInput>());
-            let memory =
-                |cause: &IpcError| matches!(cause, IpcError::SharedMemoryTooSmall { .. } | IpcError::OtherUser { .. });
-            let usage = usage || error.chain().any(|cause| cause.downcast_ref().is_some_and(memory));
-            ExitCode::from(if usage { EXIT_BAD_USAGE } else { EXIT_FAILED })
-        }
+    let done = logging.map_err(anyhow::Error::from).and_then(|()| body());
+    done.unwrap_or_else(|error| exit_code_of(name, &error))
+}
+
+/// Tells the user what has gone wrong in the process `name`; the exit code that says the same.
+fn exit_code_of(name: &str, error: &anyhow::Error) -> ExitCode {
+    if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(IpcError::Stopped { .. }))) {
+        return ExitCode::SUCCESS;
     }
+    if logging::is_for_programs() {
+        tracing::error!("{error:#}");
+    } else {
+        say(&format!("{name}: {error:#}"));
+    }
+    let usage = error.chain().any(|cause| cause.is::<ConfigError>() || cause.is::<BadInput>());
+    let memory = |cause: &IpcError| matches!(cause, IpcError::SharedMemoryTooSmall { .. } | IpcError::OtherUser { .. });
+    let usage = usage || error.chain().any(|cause| cause.downcast_ref().is_some_and(memory));
+    ExitCode::from(if usage { EXIT_BAD_USAGE } else { EXIT_FAILED })
 }
 
 /// Writes a line for the user to standard error, or a warning to a log that a program reads. Whoever read it may be

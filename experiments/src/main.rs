@@ -15,7 +15,7 @@ Examples:
   experiments cfar                                    table on standard output
   experiments initiation --runs 200 --seed 7          more or fewer runs, other draws
   experiments plot-accuracy --json plots.json --figures figures
-  experiments crossing --page docs/results.md         run it again and renew its tables in the page
+  experiments crossing --page docs/results/crossing.md   run it again and renew its tables in the page
   experiments all --quick                             whether everything works, in seconds
 
 The same seed and number of runs give the same figures on any number of threads, and on machines of the same

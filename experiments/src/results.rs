@@ -15,7 +15,7 @@ pub struct Results {
     pub rows: Vec<Row>,
     /// Pictures of them.
     pub figures: Vec<Figure>,
-    /// Pieces of `docs/results.md`.
+    /// Pieces of a page in `docs/results`.
     pub blocks: Vec<Block>,
     /// What a reader must know beside the figures, a sentence each: references that are not met, and why.
     pub remarks: Vec<String>,

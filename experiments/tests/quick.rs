@@ -12,8 +12,7 @@ fn json(name: &str, threads: usize, cells: bool) -> String {
         .into_iter()
         .map(|experiment| (experiment.name, (experiment.run)(&options, &Progress::hidden()).expect("results")))
         .collect();
-    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/results.md");
-    let page = std::fs::read_to_string(page).expect("the page of results");
+    let page = pages_of_results();
     for (_, results) in &all {
         assert!(!table::text(&results.rows).is_empty());
         page::renew(&page, &results.blocks).expect("a place for each table");
@@ -23,6 +22,14 @@ fn json(name: &str, threads: usize, cells: bool) -> String {
         }
     }
     results::to_json(name, &options, &all).expect("JSON")
+}
+
+/// All pages of results, one after the other.
+fn pages_of_results() -> String {
+    let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    let folder = std::fs::read_dir(docs.join("results")).into_iter().flatten().flatten().map(|entry| entry.path());
+    let pages = folder.chain([docs.join("results.md")]).filter(|page| page.is_file());
+    pages.map(|page| std::fs::read_to_string(page).expect("a page")).collect()
 }
 
 /// Keys of the cases, where all rows have the same.

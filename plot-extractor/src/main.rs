@@ -27,15 +27,18 @@ struct Args {
 #[derive(Subcommand)]
 enum Command {
     /// Extract plots from recorded dwells in one go, without shared memory
+    ///
+    /// Example: plot-extractor replay --dwells FILE.mcap --plots plots.jsonl
+    #[command(verbatim_doc_comment)]
     Replay {
-        #[command(flatten)]
-        stage: StageArgs,
         /// Recording with dwells (made with --set recorder.dwells=true)
         #[arg(long, value_name = "FILE")]
         dwells: PathBuf,
         /// Where the plots go, as JSON lines
         #[arg(long, value_name = "FILE")]
         plots: PathBuf,
+        #[command(flatten)]
+        stage: StageArgs,
     },
 }
 

@@ -12,8 +12,11 @@ use common::recording::RecordedRef;
 use common::recording::jsonl::Writer;
 use plot_source::Source;
 
+/// Publishes the plots of a recorded radar: ASTERIX category 010
+///
+/// Example: plot-source --config config/smr.toml --set plot_source.file=radar.ast
 #[derive(Parser)]
-#[command(version, about = "Publishes the plots of a recorded radar: ASTERIX category 010")]
+#[command(version, verbatim_doc_comment)]
 struct Args {
     #[command(flatten)]
     stage: StageArgs,
@@ -24,15 +27,18 @@ struct Args {
 #[derive(Subcommand)]
 enum Command {
     /// Convert the recordings to JSON lines, without shared memory
+    ///
+    /// Example: plot-source convert --config config/smr.toml --plots plots.jsonl --truth truth.jsonl
+    #[command(verbatim_doc_comment)]
     Convert {
-        #[command(flatten)]
-        stage: StageArgs,
         /// Where the plots go
         #[arg(long, value_name = "FILE")]
         plots: PathBuf,
         /// Where the truth goes
         #[arg(long, value_name = "FILE")]
         truth: Option<PathBuf>,
+        #[command(flatten)]
+        stage: StageArgs,
     },
 }
 

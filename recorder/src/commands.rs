@@ -13,11 +13,24 @@ use common::recording::container::Reader;
 use common::recording::{self, Messages, Recorded, RecordingError, parts_from};
 use common::report::Report;
 use common::topic::Topic;
-use recorder::export::{ExportError, Format};
-use recorder::replay::recorded_config;
-use recorder::scoring::Scoring;
-use recorder::verify::Verification;
-use recorder::{diff, export, info, replay_process};
+
+use crate::export::{ExportError, Form};
+use crate::replay::recorded_config;
+use crate::scoring::Scoring;
+use crate::verify::Verification;
+use crate::{diff, export, info, replay_process};
+
+/// Topics that an export writes unless others are named.
+pub const TABLE_TOPICS: &str = "plots,tracks,truth";
+
+/// The topic of this name.
+///
+/// # Errors
+/// The names there are.
+pub fn parse_topic(name: &str) -> Result<Topic, String> {
+    let names = Topic::ALL.map(Topic::name).join(", ");
+    Topic::from_name(name).ok_or_else(|| format!("expected one of {names}"))
+}
 
 /// Says what is in a recording.
 pub(crate) fn info(path: &Path) -> anyhow::Result<ExitCode> {
@@ -57,7 +70,10 @@ fn open_container(path: &Path) -> Result<File, BadInput> {
 }
 
 /// Writes topics of a run as files: exit code 0, or 1 if something in the recording could not be read.
-pub(crate) fn export(path: &Path, topics: &[Topic], format: Format, out: &Path) -> anyhow::Result<ExitCode> {
+///
+/// # Errors
+/// [`BadInput`] if the recording cannot be opened or a file cannot be written.
+pub fn export(path: &Path, topics: &[Topic], form: &dyn Form, out: &Path) -> anyhow::Result<ExitCode> {
     // JSON lines have no description.
     let container = recording::open_container(path).ok();
     let description = container.and_then(|file| Reader::new(BufReader::new(file)).description().cloned());
@@ -69,7 +85,7 @@ pub(crate) fn export(path: &Path, topics: &[Topic], format: Format, out: &Path) 
         }
         message.is_ok()
     });
-    let files = export::export(readable, description.as_ref(), topics, format, out).map_err(|error| match error {
+    let files = export::export(readable, description.as_ref(), topics, form, out).map_err(|error| match error {
         ExportError::Recording(error) => in_file(path, &error),
         other => BadInput(other.to_string()),
     })?;

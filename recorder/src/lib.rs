@@ -9,6 +9,8 @@
 //! a run: live, over a recording, and over both when a recorder was restarted.
 
 mod books;
+pub mod command_line;
+pub mod commands;
 pub mod diff;
 pub mod export;
 pub mod fold;

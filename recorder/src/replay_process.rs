@@ -116,7 +116,7 @@ impl<M: Message> Port<M> {
         &self,
         header: &M::Header,
         elements: &[M::Element],
-        stamp: impl FnOnce(&mut M::Header),
+        stamp: impl FnMut(&mut M::Header),
     ) -> anyhow::Result<()> {
         let Some(publisher) = &self.0 else { return Ok(()) };
         publisher.publish(header, elements, stamp).with_context(|| format!("publishing {}", M::TOPIC.name()))

@@ -12,8 +12,11 @@ use common::recording::{self, jsonl::Writer};
 use tracker::replay::replay;
 use tracker::{Tracker, process};
 
+/// IMM-PDA tracking with plot statistics: plots in, tracks out
+///
+/// Example: tracker --config config/uav.toml
 #[derive(Parser)]
-#[command(version, about = "IMM-PDA tracking with plot statistics: plots in, tracks out")]
+#[command(version, verbatim_doc_comment)]
 struct Args {
     #[command(flatten)]
     stage: StageArgs,
@@ -24,15 +27,18 @@ struct Args {
 #[derive(Subcommand)]
 enum Command {
     /// Track recorded plots in one go, without shared memory
+    ///
+    /// Example: tracker replay --plots plots.jsonl --tracks tracks.jsonl --set tracker.snr_db=12
+    #[command(verbatim_doc_comment)]
     Replay {
-        #[command(flatten)]
-        stage: StageArgs,
         /// Recording or JSON lines with plots
         #[arg(long, value_name = "FILE")]
         plots: PathBuf,
         /// Where the tracks go, as JSON lines
         #[arg(long, value_name = "FILE")]
         tracks: PathBuf,
+        #[command(flatten)]
+        stage: StageArgs,
     },
 }
 

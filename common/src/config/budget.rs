@@ -1,12 +1,13 @@
 //! `[budget]`: latency limits. A budget is broken when its percentile lies above its limit.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, positive, require};
 use crate::latency::{LATENCIES, LATENCY_NAMES};
 
 /// Limits of one latency.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Budget {
     /// Limit, µs: a scan with a value above it is a miss.
     pub limit_us: f64,
@@ -27,7 +28,7 @@ pub struct Budget {
 }
 
 /// A budget as written: what is not named keeps its default.
-#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 struct Written {
     limit_us: Option<f64>,
@@ -68,7 +69,7 @@ impl Budget {
 }
 
 /// Limits of all latencies.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "WrittenBudgets")]
 pub struct BudgetConfig {
     /// Dwell published → extractor received it.
@@ -88,7 +89,7 @@ pub struct BudgetConfig {
 }
 
 /// `[budget]` as written.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 struct WrittenBudgets {
     hop_dwells: Written,

@@ -1,11 +1,12 @@
 //! `[extractor]`: detection of plots.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, require, within};
 
 /// CA-CFAR along range (C3) and clustering.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExtractorConfig {
     /// Probability of false alarm per cell.

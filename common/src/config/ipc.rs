@@ -1,11 +1,12 @@
 //! `[ipc]`: the shared-memory domain of the chain.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, require};
 
 /// Chains with different prefixes do not see each other.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct IpcConfig {
     /// Prefix of all files in shared memory: letters, digits, `-`, `_`.

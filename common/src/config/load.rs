@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::ChainConfig;
+use super::{ChainConfig, keys};
 
 /// Why a configuration cannot be used. Each is one line for the user, exit code 2.
 #[derive(Debug, thiserror::Error)]
@@ -58,11 +58,22 @@ pub(super) fn read_text(path: Option<&Path>) -> Result<String, ConfigError> {
 }
 
 pub(super) fn read(place: &str, table: toml::Table) -> Result<ChainConfig, ConfigError> {
-    serde_path_to_error::deserialize(toml::Value::Table(table)).map_err(|error| ConfigError::Key {
-        place: place.to_string(),
-        key: error.path().to_string(),
-        message: error.inner().message().lines().collect::<Vec<_>>().join(" "),
+    serde_path_to_error::deserialize(toml::Value::Table(table)).map_err(|error| {
+        let key = error.path().to_string();
+        let message = in_words(&error.inner().message().lines().collect::<Vec<_>>().join(" "), &key);
+        ConfigError::Key { place: place.to_string(), key, message }
     })
+}
+
+/// A message about the value of `key` that says what the configuration expects, where it names a type of Rust.
+fn in_words(message: &str, key: &str) -> String {
+    const RUST_TYPES: [&str; 10] = ["u8", "u16", "u32", "u64", "usize", "i64", "f32", "f64", "a string", "string only"];
+    let message = message.replace("invalid type: unit variant", "the value is of another kind");
+    let wanted = message.rsplit_once(", expected ").filter(|(_, wanted)| RUST_TYPES.contains(wanted));
+    match wanted.and_then(|(found, _)| Some((found, keys::expected(key)?))) {
+        Some((found, expected)) => format!("{found}, expected {expected}"),
+        None => message,
+    }
 }
 
 /// Sets `table.key` to `value`, which is TOML, or text when it is not.

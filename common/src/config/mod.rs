@@ -7,8 +7,10 @@
 //! Keys carry their unit; angles are in degrees here and in radians everywhere else.
 
 mod budget;
+mod explain;
 mod extractor;
 mod ipc;
+mod keys;
 mod load;
 mod plot_source;
 mod radar;
@@ -24,6 +26,7 @@ mod supervision;
 mod tracker;
 
 pub use budget::{Budget, BudgetConfig};
+pub use explain::{explained, reference};
 pub use extractor::ExtractorConfig;
 pub use ipc::IpcConfig;
 pub use load::ConfigError;
@@ -40,10 +43,11 @@ pub use soak::{MetricsConfig, SoakConfig};
 pub use supervision::{SupervisionConfig, WatchdogConfig};
 pub use tracker::*;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Everything that the chain of one site needs to know; [`Sites`] has one for each.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ChainConfig {
     /// `[site]`: which radar this is.

@@ -1,11 +1,12 @@
 //! `[plot_source]`: recordings of real radars.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, not_negative, positive, require, within};
 
 /// Where real plots come from, and what is known of the radar that made them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlotSourceConfig {
     /// Recording of the radar.
@@ -51,7 +52,7 @@ impl Default for PlotSourceConfig {
 }
 
 /// Site registration: systematic differences between the radar, true north and the cooperative sensor.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RegistrationConfig {
     /// The radar reads azimuth too large by this, degrees; taken off every plot.

@@ -1,5 +1,6 @@
 //! `[radar]`: scan and resolution cells of the simulated radar.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, not_negative, positive, require, within};
@@ -7,7 +8,7 @@ use crate::dwell::MAX_CELLS;
 
 /// A stacked-beam radar that turns: every dwell is one azimuth step with all elevation
 /// beams, Doppler and range cells. Defaults are \[L22\]'s cells: σ = δ/(2√3) gives 20 m, 0.1° and 10 m/s (C1).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RadarConfig {
     /// Time of one turn, s.

@@ -1,11 +1,12 @@
 //! `[realtime.<stage>]`: what a stage asks of the operating system to be on time.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, require, within};
 
 /// Scheduling class of a stage.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheduling {
     /// The system's default class.
@@ -16,7 +17,7 @@ pub enum Scheduling {
 }
 
 /// How a stage waits for messages.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WaitStrategy {
     /// It sleeps until an event wakes it.
@@ -27,7 +28,7 @@ pub enum WaitStrategy {
 }
 
 /// Settings of one stage; a setting that the system refuses is reported once, and the stage goes on without it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct StageRealtime {
     /// Processors it may run on; empty for all.
@@ -55,7 +56,7 @@ impl Default for StageRealtime {
 }
 
 /// Settings of all stages.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RealtimeConfig {
     /// Of `radar-sim`, `plot-source` or a replay, whichever runs.

@@ -1,11 +1,12 @@
 //! `[recorder]`: what is recorded, and where; how tracks are scored.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, not_negative, positive, require, within};
 
 /// Recording and scoring.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecorderConfig {
     /// Whether a recording is written. The report is written in any case.
@@ -46,7 +47,7 @@ impl Default for RecorderConfig {
 
 /// When a track counts as following a target. The first group is for truth from cooperative
 /// sensors, the second for simulated truth.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ScoringConfig {
     /// Cooperative truth counts where it moves faster than this, m/s.

@@ -1,5 +1,6 @@
 //! `[replay]`: a recording in place of a radar.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, require};
@@ -7,12 +8,13 @@ use super::run::Source;
 use crate::topic::Topic;
 
 /// What is replayed. Which scans, `[run]` says.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReplayConfig {
     /// The recording; the later parts of its run in the same folder follow it.
     pub file: String,
     /// `dwells`, `plots`, `tracks`, `truth`: what goes out again. The stages after them run.
+    #[schemars(with = "Vec<String>")]
     pub topics: Vec<Topic>,
     /// Source of the recorded run.
     pub of: Source,

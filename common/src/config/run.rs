@@ -1,5 +1,6 @@
 //! `[run]`: what runs, how long and how fast.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use crate::pace::Speed;
@@ -7,7 +8,7 @@ pub use crate::pace::Speed;
 use super::load::{ConfigError, positive, within};
 
 /// Where plots come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Source {
     /// Simulated cells through the plot extractor.
@@ -21,7 +22,7 @@ pub enum Source {
 }
 
 /// What a full queue does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// It blocks the publisher: results do not depend on the speed of the machine.
@@ -41,7 +42,7 @@ impl Mode {
 }
 
 /// What runs, how long and how fast.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RunConfig {
     /// `radar-sim`, `plot-source`, `replay`, or `external`: a program of the user's.
@@ -57,6 +58,7 @@ pub struct RunConfig {
     /// Name of the run, in the names of recordings; empty for the time of its start.
     pub id: String,
     /// Times real time, or `"max"`.
+    #[schemars(with = "f64")]
     pub speed: Speed,
     /// Seed of every random draw.
     pub seed: u64,

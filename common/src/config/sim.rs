@@ -1,5 +1,6 @@
 //! `[sim]`: targets and clutter of the simulated radar.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use std::path::Path;
@@ -10,7 +11,7 @@ use super::load::{ConfigError, not_negative, positive, require};
 use super::site::{Position, check_position};
 
 /// How a target moves. Positions are east, north, up of the antenna in m.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "motion", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum MotionConfig {
     /// Straight line at constant velocity (zero velocity hovers).
@@ -48,7 +49,7 @@ pub enum MotionConfig {
 }
 
 /// One target.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TargetConfig {
     /// Name in reports.
     pub name: String,
@@ -69,7 +70,7 @@ pub struct TargetConfig {
 }
 
 /// `[sim.clutter]`: Weibull ground clutter near zero Doppler in the lowest beams.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ClutterConfig {
     /// Clutter reaches out to this range, m; 0 for none.
@@ -87,7 +88,7 @@ impl Default for ClutterConfig {
 }
 
 /// Targets and clutter.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SimConfig {
     /// Where the positions of the targets are counted from (WGS-84); the first site's antenna without it.
@@ -119,7 +120,12 @@ impl SimConfig {
         let count = self.targets.len();
         let limit = crate::truth::MAX_TARGETS;
         require("sim.targets", count, count <= limit, &format!("at most {limit} targets"))?;
-        self.targets.iter().enumerate().try_for_each(|(index, target)| target.check(index))
+        for (index, target) in self.targets.iter().enumerate() {
+            let is_new = self.targets[..index].iter().all(|earlier| earlier.name != target.name);
+            require(&format!("sim.targets[{index}].name"), &target.name, is_new, "a name that no other target has")?;
+            target.check(index)?;
+        }
+        Ok(())
     }
 }
 

@@ -1,12 +1,13 @@
 //! `[site]`: which radar this is.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, require};
 pub use crate::geodesy::Position;
 
 /// Identity of the radar.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SiteConfig {
     /// Name in service names (`radar/<name>/plots`): letters, digits, `-`, `_`.

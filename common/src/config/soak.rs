@@ -2,12 +2,13 @@
 
 use std::net::SocketAddr;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, not_negative, positive, require};
 
 /// Limits of `radar-chain soak` beside the budgets.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SoakConfig {
     /// Latency histograms and resources are written down this often, s.
@@ -38,7 +39,7 @@ impl SoakConfig {
 }
 
 /// Metrics in the text form that Prometheus reads.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MetricsConfig {
     /// Address and port, for example `127.0.0.1:9464`; empty for none. Port 0 takes a free one.

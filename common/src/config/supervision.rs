@@ -1,11 +1,12 @@
 //! `[supervision]`, `[watchdog]`: what happens when a stage dies, hangs, starves or falls behind.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, not_negative, positive, require};
 
 /// Restarting.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SupervisionConfig {
     /// Restarts of one stage before the chain gives up.
@@ -40,7 +41,7 @@ impl SupervisionConfig {
 }
 
 /// When a stage says that something is wrong with its input or with itself.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct WatchdogConfig {
     /// Upstream is silent when nothing has come for so long, s.

@@ -1,5 +1,6 @@
 //! `[tracker]`: filters, association, life cycle.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Swerling;
@@ -16,7 +17,7 @@ pub enum Estimator {
 }
 
 /// Which gate a track is searched in (T10).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum GateRule {
     /// The most probable model's; the widest model's if that one is empty.
@@ -29,7 +30,7 @@ pub enum GateRule {
 }
 
 /// How plots in the gate are weighted (T12).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Association {
     /// Probabilistic data association with decision statistics.
@@ -57,7 +58,7 @@ impl Association {
 }
 
 /// Where the density of false plots comes from (T12).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clutter {
     /// From the CFAR's design and the clutter map.
@@ -67,7 +68,7 @@ pub enum Clutter {
 }
 
 /// What makes a track confirmed and what ends it (T18).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Logic {
     /// The probability of existence.
@@ -77,7 +78,7 @@ pub enum Logic {
 }
 
 /// Tracking. Numbers like (T9) refer to `docs/theory/imm-pda.md`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackerConfig {
     /// `imm-uav` (hover, near-constant velocity and manoeuvre of a drone) or `cv` (one filter of near-constant velocity).

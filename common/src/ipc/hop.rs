@@ -97,7 +97,7 @@ impl HopReceiver {
     ///
     /// # Errors
     /// [`IpcError::Port`].
-    pub fn attend(&self, mut arrived: impl FnMut(u64, u64), mut tick: impl FnMut() -> bool) -> Result<(), IpcError> {
+    pub fn attend(&self, arrived: &mut dyn FnMut(u64, u64), tick: &mut dyn FnMut() -> bool) -> Result<(), IpcError> {
         let wait_set = WaitSetBuilder::new()
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()

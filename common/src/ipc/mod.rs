@@ -11,6 +11,7 @@ mod domain;
 mod hop;
 mod intake;
 mod observers;
+mod ports;
 mod publisher;
 mod services;
 mod station;
@@ -21,9 +22,8 @@ pub use domain::{Domain, Inhabitant, free_bytes, shared_memory_needed};
 pub use hop::{HopReceiver, HopSender};
 pub use intake::count_intake;
 pub use observers::ObserverLosses;
-pub use publisher::Publisher;
+pub use ports::{Publisher, Received, Subscriber};
 pub use station::{Keeper, Station};
-pub use subscriber::{Received, Subscriber};
 pub use wait::{Flow, Turn, Wake, Watchdog, attend};
 
 /// Why a port or service cannot be opened. The process cannot work without it: exit code 3.

@@ -1,4 +1,4 @@
-//! Publishing one topic.
+//! The publishing port of one topic.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -14,6 +14,7 @@ use iceoryx2::sample_mut::SampleMut;
 use super::IpcError;
 use super::domain::{Domain, LOANED, clean_dead_nodes};
 use super::observers::ObserverLosses;
+use super::ports::Outlet;
 use super::services::{DataService, Ipc, PublisherServices};
 use crate::config::Mode;
 use crate::messages::Message;
@@ -37,7 +38,7 @@ const LONGEST_LINGER: Duration = Duration::from_secs(2);
 /// Lossless: the full queue of a required consumer blocks, and nothing is sent while one is missing; dead consumers
 /// are cleaned up meanwhile. The full queue of an observer discards the message, counted ([`ObserverLosses`]).
 /// Real time: a full queue loses its oldest message and nothing blocks.
-pub struct Publisher<M: Message> {
+pub(super) struct PublisherPort<M: Message> {
     port: iceoryx2::port::publisher::Publisher<Ipc, [M::Element], M::Header>,
     notifier: Notifier<Ipc>,
     service: Arc<DataService<M>>,
@@ -72,7 +73,7 @@ fn name_of<M: Message>(service: &DataService<M>, port: u128) -> Option<String> {
     name
 }
 
-impl<M: Message> Publisher<M> {
+impl<M: Message> PublisherPort<M> {
     pub(super) fn new(
         services: PublisherServices<M>,
         mode: Mode,
@@ -137,43 +138,6 @@ impl<M: Message> Publisher<M> {
         Ok(this)
     }
 
-    /// Sends a message of `length` elements that `write` fills in shared memory, in place;
-    /// it returns the header.
-    ///
-    /// # Errors
-    /// [`IpcError::Port`]; [`IpcError::Stopped`] when the user gave up waiting.
-    pub fn publish_with(
-        &self,
-        length: usize,
-        write: impl FnOnce(&mut [M::Element]) -> M::Header,
-    ) -> Result<(), IpcError> {
-        self.wait_for_consumers()?;
-        // Writing defaults first costs 0.2 ns per f32 and keeps the interface free of `unsafe`.
-        let mut sample = self.port.loan_slice(length).map_err(|cause| Self::failed(&cause))?;
-        let header = write(sample.payload_mut());
-        *sample.user_header_mut() = header;
-        self.send(sample)
-    }
-
-    /// Sends a copy of `elements`; `stamp` may still write the time of publishing into the header.
-    ///
-    /// # Errors
-    /// As [`Publisher::publish_with`].
-    pub fn publish(
-        &self,
-        header: &M::Header,
-        elements: &[M::Element],
-        stamp: impl FnOnce(&mut M::Header),
-    ) -> Result<(), IpcError> {
-        self.wait_for_consumers()?;
-        let sample = self.port.loan_slice_uninit(elements.len()).map_err(|cause| Self::failed(&cause))?;
-        let mut sample = sample.write_from_slice(elements);
-        let place = sample.user_header_mut();
-        *place = *header;
-        stamp(place);
-        self.send(sample)
-    }
-
     fn send(&self, sample: SampleMut<Ipc, [M::Element], M::Header>) -> Result<(), IpcError> {
         let began = Instant::now();
         sample.send().map_err(|cause| Self::failed(&cause))?;
@@ -184,16 +148,66 @@ impl<M: Message> Publisher<M> {
         Ok(())
     }
 
-    /// Waits until the required consumers are connected: in lossless mode before every
-    /// message and for ever, in real time only before the first and not for long, shortest for the recorder.
-    ///
-    /// A subscriber that exists is not yet connected: iceoryx2 drops what does not fit
-    /// into the queue of one that has not looked for this publisher, whatever the
-    /// backpressure strategy. So each consumer says on an event of its own that it has.
-    ///
-    /// # Errors
-    /// [`IpcError::Stopped`] if the user asks to stop meanwhile.
-    pub fn wait_for_consumers(&self) -> Result<(), IpcError> {
+    /// Required consumers that are not there or have not connected, one bit each.
+    fn missing(&self) -> u32 {
+        if self.awaited.get() != 0 {
+            let _ = self.ready.try_wait(|event| {
+                self.awaited.set(self.awaited.get() & !(1_u32.checked_shl(event.id.as_value() as u32).unwrap_or(0)));
+            });
+        }
+        self.awaited.get() | self.required & !self.present()
+    }
+
+    /// Stages that are subscribed, one bit each.
+    fn present(&self) -> u32 {
+        let mut present = 0;
+        self.service.dynamic_config().list_subscribers(|details| {
+            present |= bit(details.subscriber_name.as_str());
+            CallbackProgression::Continue
+        });
+        present
+    }
+
+    fn wake(&self) {
+        // A listener that has just died is no reason to stop.
+        let _ = self.notifier.notify();
+    }
+
+    fn failed(cause: &dyn std::fmt::Debug) -> IpcError {
+        IpcError::Port { port: "publisher", topic: M::TOPIC.name(), reason: format!("{cause:?}") }
+    }
+}
+
+impl<M: Message> Outlet<M> for PublisherPort<M> {
+    fn publish_with(
+        &self,
+        length: usize,
+        write: &mut dyn FnMut(&mut [M::Element]) -> M::Header,
+    ) -> Result<(), IpcError> {
+        self.wait_for_consumers()?;
+        // Writing defaults first costs 0.2 ns per f32 and keeps the interface free of `unsafe`.
+        let mut sample = self.port.loan_slice(length).map_err(|cause| Self::failed(&cause))?;
+        let header = write(sample.payload_mut());
+        *sample.user_header_mut() = header;
+        self.send(sample)
+    }
+
+    fn publish(
+        &self,
+        header: &M::Header,
+        elements: &[M::Element],
+        stamp: &mut dyn FnMut(&mut M::Header),
+    ) -> Result<(), IpcError> {
+        self.wait_for_consumers()?;
+        let sample = self.port.loan_slice_uninit(elements.len()).map_err(|cause| Self::failed(&cause))?;
+        let mut sample = sample.write_from_slice(elements);
+        let place = sample.user_header_mut();
+        *place = *header;
+        stamp(place);
+        self.send(sample)
+    }
+
+    fn wait_for_consumers(&self) -> Result<(), IpcError> {
         if self.mode == Mode::RealTime && self.started.get() || self.missing() == 0 {
             self.started.set(true);
             return Ok(());
@@ -233,41 +247,10 @@ impl<M: Message> Publisher<M> {
         Ok(())
     }
 
-    /// Required consumers that are not there or have not connected, one bit each.
-    fn missing(&self) -> u32 {
-        if self.awaited.get() != 0 {
-            let _ = self.ready.try_wait(|event| {
-                self.awaited.set(self.awaited.get() & !(1_u32.checked_shl(event.id.as_value() as u32).unwrap_or(0)));
-            });
-        }
-        self.awaited.get() | self.required & !self.present()
-    }
-
-    /// Stages that are subscribed, one bit each.
-    fn present(&self) -> u32 {
-        let mut present = 0;
-        self.service.dynamic_config().list_subscribers(|details| {
-            present |= bit(details.subscriber_name.as_str());
-            CallbackProgression::Continue
-        });
-        present
-    }
-
-    /// Stays until the required consumers have left, at most two seconds: what a publisher sends
-    /// last is lost to those that have not yet found it when it goes.
-    pub fn linger(&self) {
+    fn linger(&self) {
         let began = Instant::now();
         while self.required & self.present() != 0 && began.elapsed() < LONGEST_LINGER {
             std::thread::sleep(Duration::from_millis(5));
         }
-    }
-
-    fn wake(&self) {
-        // A listener that has just died is no reason to stop.
-        let _ = self.notifier.notify();
-    }
-
-    fn failed(cause: &dyn std::fmt::Debug) -> IpcError {
-        IpcError::Port { port: "publisher", topic: M::TOPIC.name(), reason: format!("{cause:?}") }
     }
 }

@@ -1,5 +1,6 @@
 //! A process in a domain.
 
+use std::any::Any;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -7,7 +8,10 @@ use iceoryx2::prelude::*;
 
 use super::domain::{BORROWED, Domain, Inhabitant};
 use super::observers::ObserverLosses;
+use super::ports::{Inlet, Outlet};
+use super::publisher::PublisherPort;
 use super::services::{DataService, EventService, Ipc, MAX_NODES, PublisherServices};
+use super::subscriber::SubscriberPort;
 use super::{IpcError, Publisher, Subscriber, Wake};
 use crate::config::{ChainConfig, Mode};
 use crate::messages::{ForTopic, HealthReports, Message};
@@ -29,7 +33,7 @@ pub struct Station {
 
 /// All services of a site, held open so that no death of a stage can leave one half made.
 pub struct Keeper {
-    _services: Vec<Box<dyn std::any::Any>>,
+    _services: Vec<Box<dyn Any>>,
     _events: Vec<EventService>,
 }
 
@@ -103,10 +107,10 @@ impl Station {
     pub fn keep_services(&self) -> Result<Keeper, IpcError> {
         struct Open<'a>(&'a Station);
         impl ForTopic for Open<'_> {
-            type Out = Result<Box<dyn std::any::Any>, IpcError>;
+            type Out = Result<Box<dyn Any>, IpcError>;
 
             fn call<M: Message>(self) -> Self::Out {
-                Ok(Box::new(self.0.data::<M>()?))
+                Ok(Box::new(self.0.data::<M>(M::SCHEMA)?))
             }
         }
         let names = Topic::ALL.map(|topic| [self.topic_service(topic), self.ready_service(topic)]);
@@ -122,13 +126,7 @@ impl Station {
     /// # Errors
     /// [`IpcError`].
     pub fn publisher<M: Message>(&self, most: usize) -> Result<Publisher<M>, IpcError> {
-        let services = PublisherServices {
-            data: Arc::new(self.data::<M>()?),
-            arrival: self.event(&self.topic_service(M::TOPIC))?,
-            ready: self.event(&self.ready_service(M::TOPIC))?,
-        };
-        let (policy, required) = (self.policy::<M>(), self.required[M::TOPIC as usize]);
-        Publisher::new(services, policy, &self.domain, most, required, self.losses.clone())
+        Publisher::new(self.outlet(M::TOPIC, M::SCHEMA, most)?)
     }
 
     /// A subscriber to a topic.
@@ -136,7 +134,47 @@ impl Station {
     /// # Errors
     /// [`IpcError`].
     pub fn subscriber<M: Message>(&self) -> Result<Subscriber<M>, IpcError> {
-        Subscriber::new(self.data::<M>()?, &self.event(&self.ready_service(M::TOPIC))?, &self.process)
+        Subscriber::new(self.inlet(M::TOPIC, M::SCHEMA)?)
+    }
+
+    /// The `Box<dyn Outlet>` of a topic, in a box. Here and not where its messages are named, so that it is compiled once.
+    fn outlet(&self, topic: Topic, schema: &'static str, most: usize) -> Result<Box<dyn Any>, IpcError> {
+        struct Open<'a>(&'a Station, &'static str, usize);
+        impl ForTopic for Open<'_> {
+            type Out = Result<Box<dyn Any>, IpcError>;
+
+            fn call<M: Message>(self) -> Self::Out {
+                let Self(station, schema, most) = self;
+                let services = PublisherServices {
+                    data: Arc::new(station.data::<M>(schema)?),
+                    arrival: station.event(&station.topic_service(M::TOPIC))?,
+                    ready: station.event(&station.ready_service(M::TOPIC))?,
+                };
+                let (policy, required) = (station.policy::<M>(), station.required[M::TOPIC as usize]);
+                let losses = station.losses.clone();
+                let port = PublisherPort::<M>::new(services, policy, &station.domain, most, required, losses)?;
+                let outlet: Box<dyn Outlet<M>> = Box::new(port);
+                Ok(Box::new(outlet))
+            }
+        }
+        topic.apply(Open(self, schema, most))
+    }
+
+    /// The `Box<dyn Inlet>` of a topic, in a box; as [`Station::outlet`].
+    fn inlet(&self, topic: Topic, schema: &'static str) -> Result<Box<dyn Any>, IpcError> {
+        struct Open<'a>(&'a Station, &'static str);
+        impl ForTopic for Open<'_> {
+            type Out = Result<Box<dyn Any>, IpcError>;
+
+            fn call<M: Message>(self) -> Self::Out {
+                let Self(station, schema) = self;
+                let ready = station.event(&station.ready_service(M::TOPIC))?;
+                let port = SubscriberPort::<M>::new(station.data::<M>(schema)?, &ready, &station.process)?;
+                let inlet: Box<dyn Inlet<M>> = Box::new(port);
+                Ok(Box::new(inlet))
+            }
+        }
+        topic.apply(Open(self, schema))
     }
 
     /// What [`super::attend`] needs to be woken by messages of a topic.
@@ -166,21 +204,16 @@ impl Station {
         format!("{}/ready", self.topic_service(topic))
     }
 
-    fn data<M: Message>(&self) -> Result<DataService<M>, IpcError> {
+    fn data<M: Message>(&self, schema: &'static str) -> Result<DataService<M>, IpcError> {
         let mode = self.policy::<M>();
         let service = self.topic_service(M::TOPIC);
-        let error = |reason: String| IpcError::Service {
-            service: service.clone(),
-            schema: M::SCHEMA,
-            mode: mode.name(),
-            reason,
-        };
+        let error = |reason: String| IpcError::Service { service: service.clone(), schema, mode: mode.name(), reason };
         let attribute = |verifier: AttributeVerifier, key: &str, value: &str| {
             let key = key.try_into().map_err(|cause| error(format!("{cause:?}")))?;
             let value = value.try_into().map_err(|cause| error(format!("{cause:?}")))?;
             verifier.require(&key, &value).map_err(|cause| error(format!("{cause:?}")))
         };
-        let attributes = attribute(AttributeVerifier::new(), "schema", M::SCHEMA)?;
+        let attributes = attribute(AttributeVerifier::new(), "schema", schema)?;
         let attributes = attribute(attributes, "mode", mode.name())?;
         let name = ServiceName::new(&service).map_err(|cause| error(format!("{cause:?}")))?;
         self.node

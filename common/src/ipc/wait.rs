@@ -170,25 +170,26 @@ pub fn attend<E: From<IpcError>>(
     watchdog: &Watchdog,
     mut step: impl FnMut() -> Result<Flow, E>,
 ) -> Result<(), E> {
+    let mut failure = None;
     let mut timed_step = || {
         let (began, waited) = (Instant::now(), stop::waited());
         let flow = step();
         // What it waited for its consumers is not its own slowness.
         let worked = began.elapsed().saturating_sub(stop::waited().saturating_sub(waited));
         watchdog.step(worked, !matches!(flow, Ok(Flow::Again)));
-        flow
+        flow.unwrap_or_else(|error| {
+            failure = Some(error);
+            Flow::End
+        })
     };
     match watchdog.0.wait {
-        WaitStrategy::Sleep => sleep_until_woken(wakes, watchdog, &mut timed_step),
+        WaitStrategy::Sleep => sleep_until_woken(wakes, watchdog, &mut timed_step)?,
         WaitStrategy::Poll => poll(wakes, watchdog, &mut timed_step),
     }
+    failure.map_or(Ok(()), Err)
 }
 
-fn sleep_until_woken<E: From<IpcError>>(
-    wakes: &[&Wake],
-    watchdog: &Watchdog,
-    step: &mut impl FnMut() -> Result<Flow, E>,
-) -> Result<(), E> {
+fn sleep_until_woken(wakes: &[&Wake], watchdog: &Watchdog, step: &mut dyn FnMut() -> Flow) -> Result<(), IpcError> {
     let failed = |topic: &'static str, cause: &dyn std::fmt::Debug| IpcError::Port {
         port: "wait set",
         topic,
@@ -204,7 +205,7 @@ fn sleep_until_woken<E: From<IpcError>>(
         guards.push(guard.map_err(|cause| failed(wake.topic.name(), &cause))?);
     }
     loop {
-        match step()? {
+        match step() {
             Flow::End => return Ok(()),
             Flow::Again => {
                 watchdog.input();
@@ -230,15 +231,11 @@ fn sleep_until_woken<E: From<IpcError>>(
     }
 }
 
-fn poll<E: From<IpcError>>(
-    wakes: &[&Wake],
-    watchdog: &Watchdog,
-    step: &mut impl FnMut() -> Result<Flow, E>,
-) -> Result<(), E> {
+fn poll(wakes: &[&Wake], watchdog: &Watchdog, step: &mut dyn FnMut() -> Flow) {
     let mut looks = 0;
     loop {
-        match step()? {
-            Flow::End => return Ok(()),
+        match step() {
+            Flow::End => return,
             Flow::Again => watchdog.input(),
             Flow::Wait => {}
         }

@@ -5,7 +5,7 @@ use common::tracks::{KIND_CONSTANT_VELOCITY, KIND_HOVER, KIND_MANOEUVRE};
 use evaluation::rms::rms;
 use tracker::plots::measurement::{COORDINATES, Measurement};
 
-use super::plots::{Runs, SETTINGS};
+use super::runs::{Runs, SETTINGS};
 use crate::figures::{Axis, Figure, GREY, Panel, Series, Shape};
 use crate::follow::Follower;
 use crate::settings::Settings;

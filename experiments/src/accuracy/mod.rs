@@ -19,6 +19,7 @@ mod compare;
 mod figures;
 mod page;
 mod plots;
+mod runs;
 
 use common::random::{Purpose, generator};
 use evaluation::{Estimate, bootstrap};

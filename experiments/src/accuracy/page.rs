@@ -1,9 +1,9 @@
-//! The tables of `docs/results.md` on drawn plots.
+//! The tables of `docs/results/accuracy.md` on drawn plots.
 
 use evaluation::{Estimate, contrast};
 
 use super::compare::Verdict;
-use super::plots::{PAIR, SETTINGS};
+use super::runs::{PAIR, SETTINGS};
 use crate::page::{Block, figure, find};
 use crate::trajectory::{self, Trajectory};
 use crate::{Row, trajectory::Segment};

@@ -1,4 +1,4 @@
-//! The tables of `docs/results.md`.
+//! The tables of `docs/results/crossing.md`.
 
 use super::course::Course;
 use super::{ASSOCIATIONS, Level, PLOTS, SEPARATIONS};

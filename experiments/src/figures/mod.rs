@@ -4,6 +4,7 @@
 //! tell apart, and a marker of its own for each colour, so that grey prints can be read too.
 
 pub mod axis;
+mod compact;
 mod svg;
 
 pub use axis::Axis;

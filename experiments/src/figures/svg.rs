@@ -7,6 +7,7 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::compact::compact;
 use super::{Axis, COLOURS, Figure, GREY, Panel, Series, Shape};
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -67,7 +68,7 @@ impl Figure {
             .map_err(|error| anyhow!("drawing figure {}: {error}", self.name))?;
         // Shown in pixels; the view box keeps the steps.
         let shown = format!("width=\"{}\" height=\"{}\"", width / FINE, height / FINE);
-        Ok(text.replacen(&format!("width=\"{width}\" height=\"{height}\""), &shown, 1))
+        Ok(compact(&text.replacen(&format!("width=\"{width}\" height=\"{height}\""), &shown, 1)))
     }
 
     fn draw(

@@ -1,4 +1,4 @@
-//! The tables of `docs/results.md`.
+//! The tables of `docs/results/initiation.md`.
 
 use serde_json::Value;
 

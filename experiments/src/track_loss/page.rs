@@ -1,4 +1,4 @@
-//! The tables of `docs/results.md`.
+//! The tables of `docs/results/track-loss.md`.
 
 use common::config::{Association, GateRule, Swerling};
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! Recordings as tables (CSV, Parquet), as JSON lines, and as MCAP with JSON for viewers.
+//! Recordings as tables (CSV; Parquet in the program `parquet-export`), as JSON lines, and as MCAP with JSON for viewers.
 //!
 //! ```text
 //! messages ──▶ rows ──▶ CSV, Parquet: one file per topic, one row per element
@@ -8,7 +8,6 @@
 
 mod csv_table;
 mod mcap_json;
-mod parquet_table;
 
 use std::fs::File;
 use std::io::{self, BufWriter};
@@ -22,9 +21,33 @@ use common::topic::Topic;
 
 use csv_table::CsvTable;
 use mcap_json::McapJson;
-use parquet_table::ParquetTable;
 
-/// Form of the files.
+/// A form that recordings can be written in.
+pub trait Form {
+    /// The files for `topics`, and the topics in each.
+    fn files(&self, topics: &[Topic]) -> Vec<(String, Vec<Topic>)>;
+
+    /// Begins a file for `topics` of a recording that says `description` of itself.
+    ///
+    /// # Errors
+    /// Those of the file.
+    fn create(
+        &self,
+        file: File,
+        description: Option<&Description>,
+        topics: &[Topic],
+    ) -> Result<Box<dyn Sink>, RecordingError>;
+}
+
+/// One file for each of `topics`, however often it was asked for.
+pub fn files_by_topic(topics: &[Topic], extension: &str) -> Vec<(String, Vec<Topic>)> {
+    let mut topics = topics.to_vec();
+    topics.sort_unstable();
+    topics.dedup();
+    topics.iter().map(|&topic| (format!("{}.{extension}", topic.name()), vec![topic])).collect()
+}
+
+/// The forms that the recorder writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Comma-separated values.
@@ -33,23 +56,28 @@ pub enum Format {
     JsonLines,
     /// MCAP with JSON messages and their JSON Schemas, for viewers.
     McapJson,
-    /// Parquet tables, with the columns of the CSV.
-    Parquet,
 }
 
-impl Format {
-    /// The files in this form and the topics in each.
-    fn files(self, topics: &[Topic]) -> Vec<(String, Vec<Topic>)> {
-        let extension = match self {
-            Self::McapJson => return vec![("messages.mcap".into(), topics.to_vec())],
-            Self::Csv => "csv",
-            Self::JsonLines => "jsonl",
-            Self::Parquet => "parquet",
-        };
-        let mut topics = topics.to_vec();
-        topics.sort_unstable(); // one file each, however often it was asked for
-        topics.dedup();
-        topics.iter().map(|&topic| (format!("{}.{extension}", topic.name()), vec![topic])).collect()
+impl Form for Format {
+    fn files(&self, topics: &[Topic]) -> Vec<(String, Vec<Topic>)> {
+        match self {
+            Self::McapJson => vec![("messages.mcap".into(), topics.to_vec())],
+            Self::Csv => files_by_topic(topics, "csv"),
+            Self::JsonLines => files_by_topic(topics, "jsonl"),
+        }
+    }
+
+    fn create(
+        &self,
+        file: File,
+        description: Option<&Description>,
+        topics: &[Topic],
+    ) -> Result<Box<dyn Sink>, RecordingError> {
+        Ok(match (self, topics) {
+            (Self::Csv, &[topic]) => Box::new(CsvTable::create(file, topic)?),
+            (Self::McapJson, topics) => Box::new(McapJson::create(BufWriter::new(file), description, topics)?),
+            (_, _) => Box::new(jsonl::Writer::new(BufWriter::new(file))),
+        })
     }
 }
 
@@ -81,7 +109,7 @@ pub fn export(
     messages: impl Iterator<Item = Result<Recorded, RecordingError>>,
     description: Option<&Description>,
     topics: &[Topic],
-    format: Format,
+    form: &dyn Form,
     directory: &Path,
 ) -> Result<Vec<(PathBuf, u64)>, ExportError> {
     if let Some(bulk) = topics.iter().find(|topic| topic.is_bulk()) {
@@ -93,10 +121,12 @@ pub fn export(
     };
     std::fs::create_dir_all(directory).map_err(|error| failed(directory, &error))?;
     let mut outputs = Vec::new();
-    for (name, topics) in format.files(topics) {
+    for (name, topics) in form.files(topics) {
         let path = directory.join(&name);
         let unfinished = Unfinished(directory.join(format!("{name}.unfinished")));
-        let sink = create(&unfinished.0, description, &topics, format).map_err(|error| failed(&path, &error))?;
+        let begun = File::create(&unfinished.0).map_err(RecordingError::from);
+        let sink = begun.and_then(|file| form.create(file, description, &topics));
+        let sink = sink.map_err(|error| failed(&path, &error))?;
         outputs.push(Output { path, topics, written: 0, sink, unfinished });
     }
     for message in messages {
@@ -114,7 +144,10 @@ pub fn export(
 }
 
 /// Gives `table` a row with the columns of a topic.
-fn put_columns(topic: Topic, table: &mut dyn Table) -> io::Result<()> {
+///
+/// # Errors
+/// Those of `table`.
+pub fn put_columns(topic: Topic, table: &mut dyn Table) -> io::Result<()> {
     struct Columns<'a>(&'a mut dyn Table);
     impl ForTopic for Columns<'_> {
         type Out = io::Result<()>;
@@ -128,7 +161,10 @@ fn put_columns(topic: Topic, table: &mut dyn Table) -> io::Result<()> {
 }
 
 /// Gives `table` the rows of a message, one per element.
-fn put_rows(message: RecordedRef<'_>, table: &mut dyn Table) -> io::Result<()> {
+///
+/// # Errors
+/// Those of `table`.
+pub fn put_rows(message: RecordedRef<'_>, table: &mut dyn Table) -> io::Result<()> {
     struct Rows<'a>(&'a mut dyn Table);
     impl ForMessage for Rows<'_> {
         type Out = io::Result<()>;
@@ -168,27 +204,18 @@ impl Drop for Unfinished {
 }
 
 /// Where messages go.
-trait Sink {
+pub trait Sink {
     /// Appends a message; returns how many rows, lines or messages that were.
+    ///
+    /// # Errors
+    /// Those of the file.
     fn write(&mut self, message: RecordedRef<'_>) -> Result<u64, RecordingError>;
 
     /// Closes the file.
+    ///
+    /// # Errors
+    /// Those of the file.
     fn finish(self: Box<Self>) -> Result<(), RecordingError>;
-}
-
-fn create(
-    path: &Path,
-    description: Option<&Description>,
-    topics: &[Topic],
-    format: Format,
-) -> Result<Box<dyn Sink>, RecordingError> {
-    let file = File::create(path)?;
-    Ok(match (format, topics) {
-        (Format::Csv, &[topic]) => Box::new(CsvTable::create(file, topic)?),
-        (Format::Parquet, &[topic]) => Box::new(ParquetTable::create(file, description, topic)?),
-        (Format::McapJson, topics) => Box::new(McapJson::create(BufWriter::new(file), description, topics)?),
-        (_, _) => Box::new(jsonl::Writer::new(BufWriter::new(file))),
-    })
 }
 
 impl Sink for jsonl::Writer<BufWriter<File>> {

@@ -171,8 +171,8 @@ pub(crate) fn hop(args: &HopArgs) -> anyhow::Result<ExitCode> {
             let file = File::options().create(true).append(true).open(&args.log)?;
             let log = std::cell::RefCell::new(LatencyLog::begin(file)?);
             let receiver = HopReceiver::open(&station, &args.latency)?;
-            let arrived = |sent_ns, received_ns| log.borrow_mut().record(latency, sent_ns, received_ns);
-            receiver.attend(arrived, || {
+            let mut arrived = |sent_ns, received_ns| log.borrow_mut().record(latency, sent_ns, received_ns);
+            receiver.attend(&mut arrived, &mut || {
                 if log.borrow().interval() >= INTERVAL {
                     let _ = log.borrow_mut().close_interval(); // a full disk ends the comparison, not the soak
                 }

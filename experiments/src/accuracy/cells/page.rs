@@ -1,4 +1,4 @@
-//! The tables of `docs/results.md` on cells, and what they say.
+//! The tables of `docs/results/accuracy.md` on cells, and what they say.
 
 use super::arms::Arm;
 use super::{PAIRS, PFA, SWERLING};

@@ -13,7 +13,8 @@ use common::tracks::{Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
-use recorder::export::{Format, export};
+use parquet_export::Parquet;
+use recorder::export::{Form, Format, export};
 use serde_json::Value;
 
 const TOPICS: [Topic; 4] = [Topic::Plots, Topic::Tracks, Topic::Truth, Topic::HealthReports];
@@ -54,9 +55,8 @@ fn description() -> Description {
 }
 
 /// Exports all topics and returns the rows or messages of each file.
-fn exported(messages: &[Recorded], format: Format, folder: &Path) -> Vec<u64> {
-    let files =
-        export(messages.iter().cloned().map(Ok), Some(&description()), &TOPICS, format, folder).expect("written");
+fn exported(messages: &[Recorded], form: &dyn Form, folder: &Path) -> Vec<u64> {
+    let files = export(messages.iter().cloned().map(Ok), Some(&description()), &TOPICS, form, folder).expect("written");
     files.into_iter().map(|(_, written)| written).collect()
 }
 
@@ -97,7 +97,7 @@ fn assert_conforms(value: &Value, schema: &Value, place: &str) {
 fn mcap_with_json_has_a_schema_per_topic_and_every_message() {
     let folder = tempfile::tempdir().expect("a folder");
     let messages = messages();
-    assert_eq!(exported(&messages, Format::McapJson, folder.path()), [messages.len() as u64]);
+    assert_eq!(exported(&messages, &Format::McapJson, folder.path()), [messages.len() as u64]);
 
     let bytes = std::fs::read(folder.path().join("messages.mcap")).expect("a file");
     let summary = mcap::Summary::read(&bytes).expect("a summary").expect("an index");
@@ -135,14 +135,14 @@ fn mcap_with_json_has_a_schema_per_topic_and_every_message() {
 #[test]
 fn an_export_that_fails_leaves_no_file() {
     let folder = tempfile::tempdir().expect("a folder");
-    for format in [Format::Csv, Format::Parquet, Format::JsonLines, Format::McapJson] {
+    for form in [&Format::Csv as &dyn Form, &Parquet, &Format::JsonLines, &Format::McapJson] {
         let broken = RecordingError::Line { line: 7, message: "spoilt".into() };
         let recorded = messages().into_iter().map(Ok).chain(std::iter::once(Err(broken)));
-        let error = export(recorded, Some(&description()), &TOPICS, format, folder.path())
+        let error = export(recorded, Some(&description()), &TOPICS, form, folder.path())
             .expect_err("a spoilt line")
             .to_string();
         assert_eq!(error, "line 7: spoilt");
-        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "{format:?}");
+        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "{:?}", form.files(&TOPICS));
     }
 }
 
@@ -151,7 +151,7 @@ fn a_topic_named_twice_is_written_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let recorded = messages();
     let topics = [Topic::Tracks, Topic::Plots, Topic::Tracks];
-    let files = export(recorded.iter().cloned().map(Ok), Some(&description()), &topics, Format::Csv, folder.path())
+    let files = export(recorded.iter().cloned().map(Ok), Some(&description()), &topics, &Format::Csv, folder.path())
         .expect("written");
     let wanted = [Topic::Plots, Topic::Tracks]
         .map(|topic| (folder.path().join(format!("{}.csv", topic.name())), elements(&recorded, topic)));
@@ -163,8 +163,8 @@ fn parquet_has_the_types_and_values_of_the_csv() {
     let folder = tempfile::tempdir().expect("a folder");
     let messages = messages();
     let rows = TOPICS.map(|topic| elements(&messages, topic));
-    assert_eq!(exported(&messages, Format::Csv, folder.path()), rows);
-    assert_eq!(exported(&messages, Format::Parquet, folder.path()), rows);
+    assert_eq!(exported(&messages, &Format::Csv, folder.path()), rows);
+    assert_eq!(exported(&messages, &Parquet, folder.path()), rows);
     for (topic, rows) in TOPICS.into_iter().zip(rows) {
         let path = |extension: &str| folder.path().join(format!("{}.{extension}", topic.name()));
         let mut table = csv::Reader::from_path(path("csv")).expect("a table");
@@ -203,7 +203,7 @@ fn parquet_has_the_types_and_values_of_the_csv() {
 fn tables_say_what_was_recorded_and_what_is_not_known() {
     let folder = tempfile::tempdir().expect("a folder");
     let messages = messages();
-    exported(&messages, Format::Parquet, folder.path());
+    exported(&messages, &Parquet, folder.path());
     let rows = |topic: &str| {
         let file = File::open(folder.path().join(format!("{topic}.parquet"))).expect("a file");
         let reader = SerializedFileReader::new(file).expect("Parquet");

@@ -17,14 +17,33 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::parser::parse_message_type;
-
-use super::{Sink, put_columns, put_rows};
+use recorder::export::{Form, Sink, files_by_topic, put_columns, put_rows};
 
 /// Rows that are kept in memory until they are written together.
 const GROUP_ROWS: usize = 1 << 16;
 
+/// Parquet tables, one per topic.
+#[derive(Debug, Clone, Copy)]
+pub struct Parquet;
+
+impl Form for Parquet {
+    fn files(&self, topics: &[Topic]) -> Vec<(String, Vec<Topic>)> {
+        files_by_topic(topics, "parquet")
+    }
+
+    fn create(
+        &self,
+        file: File,
+        description: Option<&Description>,
+        topics: &[Topic],
+    ) -> Result<Box<dyn Sink>, RecordingError> {
+        let &[topic] = topics else { return Err(io::Error::other("a Parquet table holds one topic").into()) };
+        Ok(Box::new(ParquetTable::create(file, description, topic)?))
+    }
+}
+
 /// A table of one topic.
-pub(super) struct ParquetTable {
+struct ParquetTable {
     rows: Rows,
 }
 
@@ -53,7 +72,7 @@ enum Values {
 }
 
 impl ParquetTable {
-    pub(super) fn create(file: File, description: Option<&Description>, topic: Topic) -> io::Result<Self> {
+    fn create(file: File, description: Option<&Description>, topic: Topic) -> io::Result<Self> {
         let mut layout = Layout { schema: format!("message {} {{", topic.name()), columns: Vec::new() };
         put_columns(topic, &mut layout)?;
         let schema = Arc::new(parse_message_type(&format!("{} }}", layout.schema)).map_err(failed)?);

@@ -1,0 +1,139 @@
+//! The keys of the configuration and what they mean, from the types and their doc comments.
+
+use std::collections::BTreeMap;
+
+use schemars::Schema;
+use schemars::generate::SchemaSettings;
+use serde_json::{Map, Value};
+
+use super::ChainConfig;
+
+/// What is known of a key or table.
+#[derive(Debug, Clone, Default)]
+pub(super) struct About {
+    /// One line.
+    pub(super) text: String,
+    /// The values of a key, if it names them.
+    pub(super) values: Vec<String>,
+    /// Kind of the values of a key; empty for a table.
+    pub(super) kind: &'static str,
+}
+
+/// Keys and tables by their paths; those of the tables of an array follow the name of the array.
+pub(super) type Keys = BTreeMap<String, About>;
+
+/// All keys and tables.
+pub(super) fn keys() -> Keys {
+    let schema = SchemaSettings::draft2020_12().for_serialize().into_generator().into_root_schema_for::<ChainConfig>();
+    let mut keys = Keys::new();
+    if let Some(root) = schema.as_object() {
+        describe(&schema, root, "", &mut keys);
+    }
+    keys
+}
+
+/// What a key may hold; `None` for a table or no key at all. Places in arrays are left out: `sim.targets[3].name`.
+pub(super) fn expected(key: &str) -> Option<String> {
+    let mut parts = key.split('[');
+    let first = parts.next().unwrap_or_default().to_string();
+    let path = parts.fold(first, |path, part| path + "[]" + part.split_once(']').map_or("", |(_, rest)| rest));
+    let about = keys().remove(&path).filter(|about| !about.kind.is_empty())?;
+    Some(if about.values.is_empty() { about.kind.to_string() } else { about.values.join(", ") })
+}
+
+/// Notes the keys of the table `object` at `path`.
+fn describe(schema: &Schema, object: &Map<String, Value>, path: &str, keys: &mut Keys) {
+    for (name, property) in object.get("properties").and_then(Value::as_object).into_iter().flatten() {
+        let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        let (text, referred) = (text_of(property), resolve(schema, property));
+        let Some(referred) = referred.as_object() else { continue };
+        let items = referred.get("items").map(|items| resolve(schema, items));
+        if let Some(items) = items.and_then(Value::as_object).filter(|items| items.contains_key("properties")) {
+            let path = format!("{path}[]");
+            keys.insert(path.clone(), About { text, ..About::default() });
+            describe(schema, items, &path, keys);
+        } else if referred.contains_key("properties") {
+            keys.insert(path.clone(), About { text, ..About::default() });
+            describe(schema, referred, &path, keys);
+        } else if let Some(about) = keys.get_mut(&path) {
+            about.values.extend(values_of(referred)); // a key that several variants have
+        } else {
+            keys.insert(path, About { text, values: values_of(referred), kind: kind_of(referred) });
+        }
+    }
+    // The keys of a variant stand beside those that all have.
+    for variant in object.get("oneOf").and_then(Value::as_array).into_iter().flatten() {
+        if let Some(variant) = variant.as_object() {
+            describe(schema, variant, path, keys);
+        }
+    }
+}
+
+/// The schema that `property` refers to, also as one of two where it may be left out.
+fn resolve<'a>(schema: &'a Schema, property: &'a Value) -> &'a Value {
+    let either = property.get("anyOf").and_then(|either| either.get(0));
+    let property = either.unwrap_or(property);
+    let name = property.get("$ref").and_then(Value::as_str).and_then(|path| path.rsplit('/').next());
+    let referred = name.and_then(|name| schema.get("$defs").and_then(|all| all.get(name)));
+    referred.unwrap_or(property)
+}
+
+/// The first paragraph of the description, in one line and without the marks of rustdoc.
+fn text_of(property: &Value) -> String {
+    let text = property.get("description").and_then(Value::as_str).unwrap_or_default();
+    let paragraph = text.split("\n\n").next().unwrap_or_default();
+    paragraph.replace('\n', " ").replace("\\[", "[").replace("\\]", "]").replace("[`", "`").replace("`]", "`")
+}
+
+/// The values that a schema names.
+fn values_of(schema: &Map<String, Value>) -> Vec<String> {
+    let named = schema.get("enum").and_then(Value::as_array).into_iter().flatten();
+    let variants = schema.get("oneOf").and_then(Value::as_array).into_iter().flatten();
+    let variants = variants.flat_map(|variant| match variant.get("enum").and_then(Value::as_array) {
+        Some(several) => several.iter().collect(),
+        None => variant.get("const").into_iter().collect::<Vec<_>>(),
+    });
+    let own = schema.get("const").into_iter();
+    named.chain(variants).chain(own).filter(|value| value.is_string()).map(|value| format!("`{value}`")).collect()
+}
+
+/// Kind of the values of a key.
+fn kind_of(schema: &Map<String, Value>) -> &'static str {
+    let kind = schema.get("type");
+    let kind = kind.and_then(|kind| kind.as_str().or_else(|| kind.get(0).and_then(Value::as_str)));
+    let is_unsigned = schema.get("minimum").and_then(Value::as_f64) == Some(0.0);
+    match kind {
+        Some("number") => "a number",
+        Some("integer") if is_unsigned => "a whole number from 0",
+        Some("integer") => "a whole number",
+        Some("boolean") => "`true` or `false`",
+        Some("array") => "a list",
+        _ => "text",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_has_a_meaning() {
+        let silent: Vec<String> =
+            keys().into_iter().filter(|(_, about)| about.text.is_empty()).map(|(path, _)| path).collect();
+        assert!(silent.is_empty(), "without a doc comment: {silent:?}");
+    }
+
+    #[test]
+    fn a_value_of_another_kind_is_answered_in_words() {
+        let message = |text: &str| {
+            super::super::parse(std::path::Path::new("x.toml"), text, &[]).expect_err("refused").to_string()
+        };
+        let target = "[[sim.targets]]\nname = \"a\"\nmotion = \"straight\"\nposition_m = [0.0, 0.0, 0.0]\nvelocity_mps = [0.0, 0.0, 0.0]\n";
+        let swerling = message(&format!("{target}snr_db = 10.0\nswerling = 1\n"));
+        assert!(swerling.ends_with("expected `\"0\"`, `\"I\"`, `\"III\"`"), "{swerling}");
+        let scans = message("[run]\nscans = \"many\"\n");
+        assert!(scans.contains("run.scans") && scans.ends_with("expected a whole number from 0"), "{scans}");
+        let twice = message(&format!("{target}snr_db = 10.0\nswerling = \"I\"\n").repeat(2));
+        assert!(twice.contains("a name that no other target has"), "{twice}");
+    }
+}
