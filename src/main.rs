@@ -32,12 +32,12 @@ const DEFAULT_CONFIG: &str = "config/uav.toml";
 ///   radar-chain run --scans 500 --speed max              as fast as the chain goes
 ///   radar-chain run --set extractor.pfa=1e-4 --seed 7
 ///   radar-chain run --config config/smr.toml --set plot_source.file=radar.ast
-///   radar-chain run --replay recordings/FILE.mcap        recorded plots through the present tracker
-///   radar-chain status                                   look at a running chain
-///   radar-chain soak --duration 8h --reference           latencies, losses and memory against limits
+///   radar-chain run --replay recordings/FILE.mcap        replay recorded plots through the tracker
+///   radar-chain status                                   show the processes of a running chain
+///   radar-chain soak --duration 8h --reference           check latencies, losses and memory against limits
 ///   radar-chain compare soak-1/report.json soak-2/report.json
-///   radar-chain chaos --kills 100                        kill stages, check the books
-///   radar-chain doctor                                   is this machine fit?
+///   radar-chain chaos --kills 100                        kill stages at random, check that every loss is counted
+///   radar-chain doctor                                   check this machine, say how to fix what is missing
 ///   radar-chain config --explain                         every key with its value and meaning
 ///   radar-chain recorder info recordings/FILE.mcap       what is in a recording
 #[derive(Parser)]
@@ -59,12 +59,12 @@ enum Command {
     ///   radar-chain run --config config/smr.toml --set plot_source.file=radar.ast
     #[command(verbatim_doc_comment)]
     Run(RunArgs),
-    /// Run the chain and judge its latencies, losses and memory: exit code 1 if a limit is broken
+    /// Run the chain and check latencies, losses and memory against limits: exit code 1 if a limit is broken
     ///
     /// Example: radar-chain soak --duration 8h --reference --budget end_to_end=3000@99
     #[command(verbatim_doc_comment)]
     Soak(SoakArgs),
-    /// Say whether a later soak is worse than an earlier one: exit code 1 if it is
+    /// Compare two soaks: exit code 1 if the later one is worse
     ///
     /// Example: radar-chain compare soak-1/report.json soak-2/report.json --tolerance 0.2
     #[command(verbatim_doc_comment)]
@@ -73,11 +73,11 @@ enum Command {
         a: PathBuf,
         /// Report of the later one
         b: PathBuf,
-        /// Share by which a latency may be longer
+        /// Largest acceptable relative increase of a latency
         #[arg(long, default_value_t = 0.1, value_name = "SHARE")]
         tolerance: f64,
     },
-    /// Run a chain until N of its stages have been killed, at random times, and check that nothing is lost uncounted
+    /// Kill N stages of a chain at random times and check that every lost message is counted
     ///
     /// Example: radar-chain chaos --kills 100 --speed 1
     #[command(verbatim_doc_comment)]
@@ -88,7 +88,7 @@ enum Command {
         #[command(flatten)]
         run: RunArgs,
     },
-    /// Look whether this machine is fit for the chain
+    /// Check this machine and say how to fix what is missing
     ///
     /// Example: radar-chain doctor --config config/uav.toml
     #[command(verbatim_doc_comment)]
@@ -138,7 +138,7 @@ enum Command {
         #[command(subcommand)]
         command: recorder::command_line::Command,
     },
-    /// One end of the bare hop that a soak compares with
+    /// Run one end of the bare hop with which a soak compares the chain's hops
     #[command(hide = true)]
     Hop(soak::HopArgs),
     /// Run one process of the chain, as a service manager does
@@ -166,7 +166,7 @@ struct ChainArgs {
     /// Name of the radar; of a configuration with several sites, the one to run
     #[arg(long, value_name = "NAME")]
     site: Option<String>,
-    /// Keep this chain's shared memory apart from others'
+    /// Prefix of the shared memory, to separate this chain from others on the machine
     #[arg(long, value_name = "PREFIX")]
     ipc_prefix: Option<String>,
 }
@@ -174,7 +174,7 @@ struct ChainArgs {
 /// Options of `run`.
 #[derive(Args, Default)]
 struct RunArgs {
-    /// Replay a recording through the present stages, with the configuration in it unless --config is given
+    /// Replay a recording through the stages of this build, with its recorded configuration unless --config is given
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
     #[command(flatten)]
@@ -182,7 +182,7 @@ struct RunArgs {
     /// Scans to run; 0 until stopped or to the end of the recording
     #[arg(long, value_name = "N")]
     scans: Option<u32>,
-    /// Times real time, or max
+    /// Speed as a multiple of real time, or max
     #[arg(long, value_name = "X|max")]
     speed: Option<Speed>,
     /// Seed of every random draw
@@ -204,13 +204,13 @@ struct RunArgs {
 /// Options of `soak`.
 #[derive(Args)]
 struct SoakArgs {
-    /// How long, for example 8h or 30m; without it as many scans as `run` would
+    /// Duration, for example 8h or 30m [default: the number of scans that `run` would run]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     duration: Option<Duration>,
     /// Latency limit, for example end_to_end=3000@99 (µs at a percentile: 50, 90, 99 or 99.9)
     #[arg(long = "budget", value_name = "NAME=US@PERCENTILE")]
     budgets: Vec<String>,
-    /// Measure the bare hop of the middleware beside the chain
+    /// Also measure the bare hop of the middleware, for comparison
     #[arg(long)]
     reference: bool,
     /// Folder of the results
@@ -255,7 +255,7 @@ fn parse_duration(text: &str) -> Result<Duration, String> {
 /// Options of `status`.
 #[derive(Args)]
 struct StatusArgs {
-    /// As JSON
+    /// Print JSON
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -277,7 +277,7 @@ impl ChainArgs {
         let path = self.config.clone().unwrap_or_else(|| PathBuf::from(DEFAULT_CONFIG));
         let loaded = config::load_sites(Some(&path), &overrides);
         if self.config.is_none() && !path.exists() {
-            return loaded.context("run this in the project's folder, or name a file with --config");
+            return loaded.context("run this in the folder of the project, or give a file with --config");
         }
         let sites = loaded?;
         match (&self.site, sites.only()) {

@@ -1,4 +1,4 @@
-//! What the shells of all processes share: arguments, signals, logging, health, exit codes.
+//! Common parts of all process shells: arguments, signals, logging, health, exit codes.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -33,13 +33,13 @@ pub struct StageArgs {
     /// Override one key, for example --set extractor.pfa=1e-4
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
-    /// Keep this chain's shared memory apart from others'
+    /// Prefix of the shared memory, to separate this chain from others on the machine
     #[arg(long, value_name = "PREFIX")]
     pub ipc_prefix: Option<String>,
     /// Which site, of a configuration that has several
     #[arg(long, value_name = "NAME")]
     pub site: Option<String>,
-    /// Go on where the run in this domain stands, as its keeper has written down
+    /// Resume the run of this domain where its keeper has recorded it
     #[arg(long, value_name = "WHAT")]
     pub resume: Option<Resume>,
 }
@@ -104,7 +104,7 @@ impl StageArgs {
     }
 }
 
-/// Something that the user has to put right before a process can start (exit code 2).
+/// An error that the user has to correct before a process can start (exit code 2).
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct BadInput(pub String);
@@ -188,7 +188,7 @@ pub struct HealthReporter {
 }
 
 impl HealthReporter {
-    /// A reporter for the process of `station` in this `session`. `refused` are the real-time wishes
+    /// A reporter for the process of `station` in this `session`. `refused` are the real-time settings
     /// that [`crate::realtime::take`] could not fulfil.
     ///
     /// # Errors

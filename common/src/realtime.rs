@@ -1,4 +1,4 @@
-//! Real-time care of a process: what `[realtime.<stage>]` asks of the operating system.
+//! Real-time settings of a process, `[realtime.<stage>]`, applied to the operating system.
 //!
 //! Nothing here is needed for correct results. What the system refuses (permissions, limits, processors that
 //! are not there) is said once, shown in status and report, and the process goes on without.

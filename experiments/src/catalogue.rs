@@ -38,7 +38,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment {
         name: "crossing",
-        about: "two drones that come near each other: tracks that swap or lose theirs",
+        about: "two drones near each other: shares of runs with a track lost or exchanged",
         run: crossing::run,
     },
 ];

@@ -16,7 +16,7 @@ Examples:
   experiments initiation --runs 200 --seed 7          more or fewer runs, other draws
   experiments plot-accuracy --json plots.json --figures figures
   experiments crossing --page docs/results/crossing.md   run it again and renew its tables in the page
-  experiments all --quick                             whether everything works, in seconds
+  experiments all --quick                             check in seconds that every experiment works
 
 The same seed and number of runs give the same figures on any number of threads, and on machines of the same
 vector instructions.";
@@ -43,7 +43,7 @@ struct Args {
     /// Write figures as SVG into this directory
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
-    /// Renew the tables of these experiments in this Markdown page
+    /// Rewrite the tables of the experiment in this Markdown page
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
     /// Few runs of few cases

@@ -34,7 +34,7 @@ enum Command {
         /// Recording with dwells (made with --set recorder.dwells=true)
         #[arg(long, value_name = "FILE")]
         dwells: PathBuf,
-        /// Where the plots go, as JSON lines
+        /// Output file of the plots, JSON lines
         #[arg(long, value_name = "FILE")]
         plots: PathBuf,
         #[command(flatten)]

@@ -31,10 +31,10 @@ enum Command {
     /// Example: plot-source convert --config config/smr.toml --plots plots.jsonl --truth truth.jsonl
     #[command(verbatim_doc_comment)]
     Convert {
-        /// Where the plots go
+        /// Output file of the plots, JSON lines
         #[arg(long, value_name = "FILE")]
         plots: PathBuf,
-        /// Where the truth goes
+        /// Output file of the truth, JSON lines
         #[arg(long, value_name = "FILE")]
         truth: Option<PathBuf>,
         #[command(flatten)]

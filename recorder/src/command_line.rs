@@ -17,7 +17,7 @@ use crate::window::Window;
 /// What can be done with recordings.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Say what is in a recording
+    /// Describe a recording: state, size, topics, sessions, gaps
     ///
     /// Example: recorder info recordings/FILE.mcap
     #[command(verbatim_doc_comment)]
@@ -25,7 +25,7 @@ pub enum Command {
         /// The recording
         file: PathBuf,
     },
-    /// Check chunks, checksums, missing messages and times: exit code 0 if whole, 1 with findings
+    /// Check chunks, checksums, gaps and times: exit code 0 if complete, 1 with findings
     ///
     /// Example: recorder verify recordings/*.mcap
     #[command(verbatim_doc_comment)]
@@ -41,11 +41,11 @@ pub enum Command {
     Config {
         /// The recording
         file: PathBuf,
-        /// Turn it into one for stages that a replay of the recording drives; they write to the folder `replay`
+        /// Print the configuration for stages that a replay drives; they write to the folder `replay`
         #[arg(long)]
         replay: bool,
     },
-    /// Write topics of a recording as tables, JSON lines or for viewers
+    /// Export topics as tables, JSON lines or MCAP for viewers
     ///
     /// Example: recorder export FILE.mcap --topics plots,tracks --format csv --out tables
     #[command(verbatim_doc_comment)]
@@ -62,7 +62,7 @@ pub enum Command {
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
     },
-    /// Put recorded topics onto the services, for stages that are started by hand
+    /// Publish recorded topics, for stages that are started by hand
     ///
     /// Waits for the stages after the topics and for the recorder. They need the configuration of the replay: that of the
     /// recording (recorder config FILE --replay) or --config.
@@ -105,7 +105,7 @@ pub enum Command {
 pub struct ReplayArgs {
     /// The recording; later parts of its run in the same folder follow it
     file: PathBuf,
-    /// Times real time, or max
+    /// Speed as a multiple of real time, or max
     #[arg(long, value_name = "X|max")]
     speed: Option<Speed>,
     #[command(flatten)]
@@ -119,7 +119,7 @@ pub struct ReplayArgs {
     /// Override one key
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Keep this chain's shared memory apart from others'
+    /// Prefix of the shared memory, to separate this chain from others on the machine
     #[arg(long, value_name = "PREFIX")]
     ipc_prefix: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! Recordings cut and spoilt at many places: what is whole is read, and the check says where it ends.
+//! Truncated and corrupted recordings: whole chunks are read, and the check says where the file ends.
 
 use std::io::Cursor;
 

@@ -1,4 +1,4 @@
-//! `radar-chain chaos`: kills random stages at random times and checks that nothing is lost uncounted.
+//! `radar-chain chaos`: kills random stages at random times and checks that every lost message is counted.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -61,7 +61,7 @@ pub(crate) fn chaos(mut sites: Sites, kills: u32) -> anyhow::Result<ExitCode> {
     }
     if findings.is_empty() {
         println!(
-            "\n{kills} kills: every stage came back within {BACK_WITHIN} scans, the books balance, nothing is left behind"
+            "\n{kills} kills: every stage came back within {BACK_WITHIN} scans, all losses are counted, no files are left"
         );
         Ok(ExitCode::SUCCESS)
     } else {
@@ -178,7 +178,7 @@ impl Monkey {
     fn findings(&self, kills: u32) -> Vec<String> {
         let mut findings = Vec::new();
         if self.returns.len() < kills as usize {
-            findings.push(format!("{} of {kills} kills, then the chain did not come back", self.returns.len()));
+            findings.push(format!("the chain did not recover after {} of {kills} kills", self.returns.len()));
         }
         for back in self.returns.iter().filter(|back| back.after_s > BACK_WITHIN * self.scan_s) {
             let scans = back.after_s / self.scan_s;
@@ -203,7 +203,7 @@ fn books_table(report: &ChainReport) -> String {
 
 fn unbalanced(book: &Book) -> String {
     let Book { topic, consumer, sent, received, lost } = book;
-    format!("books of {topic} at {consumer}: {received} received + {lost} lost are not the {sent} sent")
+    format!("counts of {topic} at {consumer} do not balance: {received} received + {lost} lost, {sent} sent")
 }
 
 /// What is wrong with the parts of the run whose last one is `part`.

@@ -1,4 +1,4 @@
-//! `radar-chain compare`: whether a later soak is worse than an earlier one, beyond what noise can do.
+//! `radar-chain compare`: tests whether a later soak is worse than an earlier one beyond noise.
 //!
 //! Each latency is known block by block over both runs. Neighbouring blocks are joined to some [`STRETCHES`] stretches,
 //! since what disturbs a machine lasts for a while; stretches count as independent. Per latency, five figures are judged:
@@ -219,7 +219,7 @@ fn others(before: &Report, after: &Report) -> Vec<Row> {
         let of = |soak: &Soak| soak.growth_mib.values().copied().reduce(f64::max);
         report.soak.as_ref().and_then(of)
     };
-    let told = |growth: Option<f64>| growth.map_or("not judged".to_string(), |mib| format!("{mib:.2}"));
+    let told = |growth: Option<f64>| growth.map_or("not checked".to_string(), |mib| format!("{mib:.2}"));
     let limit = after.config.as_ref().map_or(1.0, |config| config.soak.growth_mib);
     let (old, new) = (growth(before), growth(after));
     let verdict = match new {

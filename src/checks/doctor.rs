@@ -1,4 +1,4 @@
-//! `radar-chain doctor`: whether this machine is fit for the chain, and what to do where it is not.
+//! `radar-chain doctor`: checks of this machine, with advice for each fault.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -87,7 +87,7 @@ fn read(path: &str) -> String {
 fn shared_memory(sites: &Sites) -> Finding {
     let (free, needed) = (free_bytes(), shared_memory_needed(sites) >> 20);
     let Some(free) = free.map(|free| free >> 20) else {
-        return Finding::new("shared memory", "/dev/shm is not there").unless(
+        return Finding::new("shared memory", "/dev/shm does not exist").unless(
             true,
             Level::Bad,
             "mount a tmpfs on /dev/shm",
@@ -103,7 +103,7 @@ fn shared_memory(sites: &Sites) -> Finding {
 fn writable(chain: &ChainConfig) -> Finding {
     let places = ["/dev/shm", chain.ipc.root.as_str()];
     let refused: Vec<&str> = places.into_iter().filter(|place| tempfile::tempfile_in(place).is_err()).collect();
-    Finding::new("permissions", format!("files in {} can be made", places.join(" and "))).unless(
+    Finding::new("permissions", format!("files can be created in {}", places.join(" and "))).unless(
         !refused.is_empty(),
         Level::Bad,
         format!("{} cannot be written by this user", refused.join(" and ")),
@@ -162,9 +162,9 @@ fn real_time(chain: &ChainConfig) -> Finding {
     let root = rustix::process::geteuid().is_root();
     let allowed = root || limit.is_none_or(|limit| limit >= u64::from(wished.unwrap_or(0)));
     let text = match (wished, root) {
-        (None, _) => "not asked for".to_string(),
-        (Some(priority), true) => format!("priority {priority} asked for, this user may have any"),
-        (Some(priority), false) => format!("priority {priority} asked for, limit {}", limit.unwrap_or(99)),
+        (None, _) => "not configured".to_string(),
+        (Some(priority), true) => format!("priority {priority} configured, this user may use any"),
+        (Some(priority), false) => format!("priority {priority} configured, limit {}", limit.unwrap_or(99)),
     };
     Finding::new("scheduling", text).unless(!allowed, Level::Note, "LimitRTPRIO=99 in the unit, or ulimit -r 99")
 }
@@ -174,7 +174,7 @@ fn locked_memory(chain: &ChainConfig) -> Finding {
     let limit = getrlimit(Resource::Memlock).current;
     let text = limit.map_or("unlimited".into(), |limit| format!("limit {} MiB", limit >> 20));
     let allowed = !wished || rustix::process::geteuid().is_root() || limit.is_none_or(|limit| limit >= 256 << 20);
-    let asked = if wished { "asked for" } else { "not asked for" };
+    let asked = if wished { "configured" } else { "not configured" };
     Finding::new("locked memory", format!("{asked}, {text}")).unless(
         !allowed,
         Level::Note,
@@ -189,7 +189,7 @@ fn recordings(chain: &ChainConfig) -> Finding {
     let free = rustix::fs::statvfs(existing).map_or(0, |space| space.f_bavail * space.f_frsize) >> 20;
     let finding = Finding::new("recordings", format!("{free} MiB free for {}", folder.display()));
     let (wanted, written) = (chain.recorder.record, tempfile::tempfile_in(existing).is_ok());
-    finding.unless(wanted && free < 1024, Level::Note, "make room, or set recorder.directory to another disk").unless(
+    finding.unless(wanted && free < 1024, Level::Note, "free space, or set recorder.directory to another disk").unless(
         wanted && !written,
         Level::Bad,
         format!("{} cannot be written by this user", existing.display()),

@@ -110,7 +110,7 @@ const FIGURES: [Figure; 15] = [
         "Restarts of stages by the launcher; under systemd radar_starts_total counts",
         |health| f64::from(health.restarts),
     ),
-    ("radar_upstream_silences_total", "counter", "Times that input stayed away", |health| f64::from(health.silences)),
+    ("radar_upstream_silences_total", "counter", "Times the input fell silent", |health| f64::from(health.silences)),
     ("radar_slow_steps_total", "counter", "Steps that took too long", |health| f64::from(health.slow_steps)),
     ("radar_realtime_settings_refused", "gauge", "Real-time settings that the system has refused", |health| {
         RealtimeSetting::names(health.refused).len() as f64
@@ -135,7 +135,7 @@ fn page(board: &Board) -> String {
             let _ = writeln!(text, "radar_starts_total{{{}}} {starts}", labels(site, process));
         }
     }
-    head(&mut text, "radar_condition", "gauge", "1 for what the watchdog of the process says");
+    head(&mut text, "radar_condition", "gauge", "1 for the condition that the watchdog of the process reports");
     for_each_process(board, |labels, health| {
         for condition in [Condition::Fine, Condition::UpstreamSilent, Condition::Slow] {
             let is = u32::from(condition as u32 == health.condition);

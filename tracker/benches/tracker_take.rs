@@ -11,7 +11,7 @@
 //! at 2.8 GHz with eight lanes; what the tracker adds to it is decision statistics (five exponentials a plot), the search for a start from each
 //! of the four plots that no track explains, and waiting for memory. Of a track 3.0 kB are kept, 0.75 kB of them each read (what was
 //! expected of the scan) or written (posterior, what is expected of the next); its message is 1.7 kB more, its plots 0.9 kB in the store, which
-//! are read twice. Figures are in `docs/results.md`.
+//! are read twice. Figures are in `docs/measured.md`.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;

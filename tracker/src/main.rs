@@ -34,7 +34,7 @@ enum Command {
         /// Recording or JSON lines with plots
         #[arg(long, value_name = "FILE")]
         plots: PathBuf,
-        /// Where the tracks go, as JSON lines
+        /// Output file of the tracks, JSON lines
         #[arg(long, value_name = "FILE")]
         tracks: PathBuf,
         #[command(flatten)]

@@ -9,7 +9,7 @@ use crate::latency::{LATENCIES, LATENCY_NAMES};
 /// Limits of one latency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Budget {
-    /// Limit, µs: a scan with a value above it is a miss.
+    /// Limit, µs: a scan with a value above it is over budget.
     pub limit_us: f64,
     /// Percentile that must not lie above it, 0 to 100.
     pub percentile: f64,

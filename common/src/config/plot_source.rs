@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, not_negative, positive, require, within};
 
-/// Where real plots come from, and what is known of the radar that made them.
+/// Recording with real plots, and the properties of the radar that made it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlotSourceConfig {
@@ -17,7 +17,7 @@ pub struct PlotSourceConfig {
     pub date: String,
     /// Sectors in a scan.
     pub sectors_per_scan: u32,
-    /// Nominal time of one turn, s: tells how many start-of-cycle messages are missing in a gap.
+    /// Nominal scan period, s: gives the number of start-of-cycle messages missing in a gap.
     pub scan_period_s: f64,
     /// The radar sees no farther than this, m.
     pub coverage_range_m: f64,
@@ -29,7 +29,7 @@ pub struct PlotSourceConfig {
     pub cell_range_m: f64,
     /// Resolution cell in azimuth, degrees.
     pub cell_azimuth_deg: f64,
-    /// `[plot_source.registration]`: how radar and cooperative sensor lie to each other.
+    /// `[plot_source.registration]`: the offset between the frames of radar and cooperative sensor.
     pub registration: RegistrationConfig,
 }
 

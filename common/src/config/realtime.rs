@@ -1,4 +1,4 @@
-//! `[realtime.<stage>]`: what a stage asks of the operating system to be on time.
+//! `[realtime.<stage>]`: real-time settings of a stage.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -15,7 +15,7 @@ pub struct RecorderConfig {
     pub directory: String,
     /// Where the report is written.
     pub report: String,
-    /// Whether dwells are recorded too (10⁸ bytes per second).
+    /// Whether dwells are recorded too (10⁸ bytes per second on disk).
     pub dwells: bool,
     /// A chunk is closed at this size, KiB.
     pub chunk_kib: u32,

@@ -1,4 +1,4 @@
-//! `[soak]`: what a soak measures and what it forgives. `[metrics]`: where counters can be scraped.
+//! `[soak]`: series and limits of a soak. `[metrics]`: address of the metrics.
 
 use std::net::SocketAddr;
 

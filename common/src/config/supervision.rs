@@ -15,8 +15,8 @@ pub struct SupervisionConfig {
     pub backoff_s: f64,
     /// How long a stage may take to drain and end after the source has, s.
     pub drain_s: f64,
-    /// A stage that has said nothing for so long hangs and is killed, s; 0 for never. In lossless mode only while all
-    /// downstream of it speak.
+    /// A stage without a health report for this time is killed, s; 0 for never. In lossless mode only while all
+    /// stages downstream of it report.
     pub hang_s: f64,
     /// The same for the recorder, which may wait for a disk, s; 0 for never.
     pub recorder_hang_s: f64,

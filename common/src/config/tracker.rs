@@ -7,7 +7,7 @@ use super::Swerling;
 use super::load::{ConfigError, not_negative, positive, probability, require, within};
 
 /// The family of filters that follow targets.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Estimator {
     /// Interacting modes of a drone: hover, near-constant velocity, manoeuvre (T1)-(T4).
@@ -97,7 +97,7 @@ pub struct TrackerConfig {
     pub gate_rule: GateRule,
     /// For `union`: the gates of models above this probability; 0 searches all (T20.3).
     pub gate_union_probability: f64,
-    /// False plots expected in the gate at most: in a larger gate only stronger plots are looked at (T20.2); 0 for no limit.
+    /// Most false plots expected in the gate: in a larger gate weaker plots are ignored (T20.2); 0 for no limit.
     pub gate_false_plots: f64,
     /// α: half width of gates in standard deviations (T9).
     pub gate_alpha: f64,
@@ -113,7 +113,7 @@ pub struct TrackerConfig {
     pub joint_association: bool,
     /// `parametric` or `non-parametric` clutter (T12).
     pub clutter: Clutter,
-    /// False plots per resolution cell and scan that are always expected, also where none were seen.
+    /// Least density of false plots per resolution cell and scan, also where none were detected.
     pub clutter_floor: f64,
     /// Memory of the clutter map, scans; 0 for no map.
     pub clutter_map_scans: u32,
@@ -121,15 +121,15 @@ pub struct TrackerConfig {
     pub swerling: Swerling,
     /// Signal-to-noise ratio expected of a new target, dB.
     pub snr_db: f64,
-    /// How far the true ratio may lie from what is known of it, dB: statistics are averaged over that interval (T20.5).
+    /// Half width of the interval about the estimated ratio over which statistics are averaged, dB (T20.5).
     pub snr_spread_db: f64,
-    /// Scans that the expectation counts for against a track's own statistics (T19); 0 never learns.
+    /// Weight of the expected ratio against a track's own statistics, scans (T19); 0 never learns.
     pub snr_prior_scans: f64,
     /// Probability of detection where plots have no statistic, and its limit where they have.
     pub detection_probability: f64,
     /// Fastest target that starts a track, m/s.
     pub start_speed_mps: f64,
-    /// New targets expected per resolution cell and scan: what a pair of plots has to be weighed against false ones.
+    /// New targets expected per resolution cell and scan: the prior of a pair of plots against false plots.
     pub start_density: f64,
     /// Probability of existence that two plots alone can give at most.
     pub start_existence: f64,

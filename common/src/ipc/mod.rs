@@ -70,7 +70,7 @@ pub enum IpcError {
         needed_mib: u64,
     },
     /// /dev/shm has been filled by others since the chain was started.
-    #[error("/dev/shm has {free_mib} MiB left, {needed_mib} MiB are missing for a segment: something fills it")]
+    #[error("/dev/shm has {free_mib} MiB left, a segment needs {needed_mib} MiB: another program fills it")]
     SharedMemoryFull {
         /// Free, MiB.
         free_mib: u64,

@@ -127,7 +127,7 @@ impl Watchdog {
     fn input(&self) {
         self.0.heard.set(Instant::now());
         if self.0.condition.get() == Condition::UpstreamSilent {
-            tracing::info!("input comes again");
+            tracing::info!("input has resumed");
             self.0.condition.set(Condition::Fine);
         }
     }
@@ -151,7 +151,7 @@ impl Watchdog {
         if busy > self.0.slow {
             self.0.slow_steps.set(self.0.slow_steps.get() + u32::from(before <= self.0.slow));
             if self.0.condition.replace(Condition::Slow) != Condition::Slow {
-                tracing::warn!("slow: behind its input for {busy:?}, allowed are {:?}", self.0.slow);
+                tracing::warn!("slow: behind its input for {busy:?}, limit {:?}", self.0.slow);
             }
         } else if self.0.condition.get() == Condition::Slow {
             self.0.condition.set(Condition::Fine);

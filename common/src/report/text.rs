@@ -1,4 +1,4 @@
-//! The form of the report for people: what a terminal shows.
+//! The report as text for a terminal.
 
 use std::fmt::Write;
 
@@ -116,7 +116,7 @@ impl Detection {
         let mut lines = Lines(out);
         lines.whole("plots", Some(self.plots))?;
         lines.whole("false plots", self.false_plots)?;
-        lines.whole("unresolved sights", self.unresolved)?;
+        lines.whole("looks at unresolved targets", self.unresolved)?;
         lines.share("detected", self.pd_measured)?;
         lines.share("detected, expected", self.pd_expected)?;
         if let (Some(measured), Some([low, high])) = (self.pfa_measured, self.pfa_interval) {
@@ -153,9 +153,9 @@ impl Tracking {
         lines.number("NEES (position, velocity)", self.nees, "")?;
         lines.number("NEES (position)", self.nees_position, "")?;
         lines.number("GOSPA", self.gospa_m, "m")?;
-        lines.number("  of distances", self.gospa_localisation_m, "m")?;
-        lines.number("  of missed targets", self.gospa_missed_m, "m")?;
-        lines.number("  of false tracks", self.gospa_false_m, "m")?;
+        lines.number("  localisation part", self.gospa_localisation_m, "m")?;
+        lines.number("  part of missed targets", self.gospa_missed_m, "m")?;
+        lines.number("  part of false tracks", self.gospa_false_m, "m")?;
         for (mode, probability) in &self.mode_probability {
             lines.share(&format!("true mode: {mode}"), Some(*probability))?;
         }

@@ -1,4 +1,4 @@
-//! Whether a soak stayed within its limits, and what did not.
+//! Verdict of a soak: limits kept and limits broken.
 
 use std::fmt::Write;
 use std::time::Duration;
@@ -33,13 +33,13 @@ pub(super) fn findings(
         && report.realtime_factor < PACE * factor
     {
         let reached = report.realtime_factor;
-        findings.push(format!("{reached:.2} × real time reached, {factor} × asked for: the chain is too slow for it"));
+        findings.push(format!("{reached:.2} × real time reached, {factor} × requested: the chain is too slow for it"));
     }
     // Dwells go to a plot extractor only.
     let first = if common::topology::runs(chain, "plot-extractor") { 0 } else { Latency::HopPlots as usize };
     for name in &LATENCY_NAMES[first..] {
         if report.latency_us.get(*name).is_none_or(|latency| latency.n == 0) {
-            findings.push(format!("{name}: no values, nothing is known of its budget"));
+            findings.push(format!("{name}: no values, its budget cannot be checked"));
         }
     }
     for (name, limits) in LATENCY_NAMES.iter().zip(chain.budget.all()) {
@@ -58,7 +58,7 @@ pub(super) fn findings(
     for book in report.books.iter().filter(|book| !book.balances()) {
         let (topic, consumer) = (&book.topic, &book.consumer);
         findings.push(format!(
-            "books of {topic} at {consumer} do not balance: {} received + {} lost, {} sent",
+            "counts of {topic} at {consumer} do not balance: {} received + {} lost, {} sent",
             book.received, book.lost, book.sent
         ));
     }
@@ -71,7 +71,7 @@ pub(super) fn findings(
     if !restarted.is_empty() {
         findings.push(format!("restarted: {}", restarted.join(", ")));
     } else if disturbed {
-        findings.push("a stage found something broken or had to be restarted".into());
+        findings.push("a stage completed with a fault or had to be restarted".into());
     }
     findings
 }
@@ -97,13 +97,13 @@ pub(super) fn to_text(report: &Report, site: Option<&str>) -> String {
     let _ = writeln!(text, "\nsoak{}", site.map(|site| format!(" of {site}")).unwrap_or_default());
     if report.config.as_ref().is_some_and(|config| config.run.speed == Speed::Max) {
         let _ =
-            writeln!(text, "  at full speed queues are full by design: only budgets given with --budget are judged");
+            writeln!(text, "  at full speed queues are full by design: only budgets given with --budget are checked");
     }
     for (process, growth) in &soak.growth_mib {
         let _ = writeln!(text, "  {:<30}{growth:+.2} MiB after warm-up", format!("memory of {process}"));
     }
     for not_judged in &soak.not_judged {
-        let _ = writeln!(text, "  not judged: {not_judged}");
+        let _ = writeln!(text, "  not checked: {not_judged}");
     }
     for (name, bare) in &soak.reference {
         let ratio = soak.ratio_to_reference.get(name).copied().unwrap_or(f64::NAN);
@@ -114,7 +114,7 @@ pub(super) fn to_text(report: &Report, site: Option<&str>) -> String {
         );
     }
     let balanced = report.books.iter().filter(|book| book.balances()).count();
-    let _ = writeln!(text, "  {:<30}{balanced} of {} balance", "books", report.books.len());
+    let _ = writeln!(text, "  {:<30}{balanced} of {} balance", "message counts", report.books.len());
     for miss in report.misses.iter().take(5) {
         let (scan, latency) = (miss.scan, &miss.latency);
         let _ = writeln!(
@@ -131,7 +131,7 @@ pub(super) fn to_text(report: &Report, site: Option<&str>) -> String {
             writeln!(text, "  {:<30}{misses} scans in all, the first of each latency in report.json", "over budget");
     }
     if soak.ok {
-        let judged = if soak.not_judged.is_empty() { "all limits" } else { "all limits that could be judged" };
+        let judged = if soak.not_judged.is_empty() { "all limits" } else { "all limits that could be checked" };
         let _ = writeln!(text, "  within {judged}");
     }
     for finding in &soak.findings {
@@ -175,6 +175,6 @@ mod tests {
     fn a_budget_without_values_is_not_kept() {
         let findings =
             findings(&ChainConfig::default(), &Report::default(), &Soak::default(), &Asked::default(), false);
-        assert!(findings.contains(&"track: no values, nothing is known of its budget".to_string()), "{findings:?}");
+        assert!(findings.contains(&"track: no values, its budget cannot be checked".to_string()), "{findings:?}");
     }
 }

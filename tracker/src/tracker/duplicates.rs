@@ -1,4 +1,4 @@
-//! Two tracks of one target: which of them goes, and when.
+//! Termination of duplicate tracks of one target.
 //!
 //! A track that takes the same best plot as a stronger one for some scans, at the same place and velocity, is its duplicate.
 
