@@ -26,10 +26,9 @@ fn json(name: &str, threads: usize, cells: bool) -> String {
 
 /// All pages of results, one after the other.
 fn pages_of_results() -> String {
-    let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
-    let folder = std::fs::read_dir(docs.join("results")).into_iter().flatten().flatten().map(|entry| entry.path());
-    let pages = folder.chain([docs.join("results.md")]).filter(|page| page.is_file());
-    pages.map(|page| std::fs::read_to_string(page).expect("a page")).collect()
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/results");
+    let pages = std::fs::read_dir(folder).expect("the pages of results").flatten();
+    pages.map(|page| std::fs::read_to_string(page.path()).expect("a page")).collect()
 }
 
 /// Keys of the cases, where all rows have the same.

@@ -8,7 +8,7 @@ use super::sites::adjust;
 use super::{ChainConfig, ConfigError, Sites};
 
 /// What a range is asked about: values that few keys allow.
-const OUT_OF_RANGE: [&str; 6] = ["-1e300", "1e300", "nan", "-1", "4294967295", "''"];
+const OUT_OF_RANGE: [&str; 7] = ["-1e300", "1e300", "nan", "-1", "4294967295", "9223372036854775807", "''"];
 
 /// Units by the last word of a key.
 const UNITS: [(&str, &str); 12] = [
@@ -35,7 +35,8 @@ pub fn explained(sites: &Sites) -> String {
         // Of several sites, each has its own tables and the keys of `[site]`.
         let of_site = path.strip_prefix("site[].");
         let own = of_site.map(|key| format!("site.{key}"));
-        let about = keys.get(of_site.unwrap_or(&path)).or_else(|| keys.get(own.as_deref()?));
+        let empty = format!("{path}[]"); // an array of tables without any
+        let about = keys.get(of_site.unwrap_or(&path)).or_else(|| keys.get(own.as_deref().unwrap_or(&empty)));
         if let Some(about) = about {
             let _ = writeln!(text, "# {}", about.text);
         }
@@ -80,7 +81,8 @@ pub fn reference() -> String {
             continue;
         }
         let shown = table.strip_suffix("[]").map_or(format!("[{table}]"), |array| format!("[[{array}]]"));
-        let about = keys.get(&table).map_or("", |about| &about.text);
+        let about = keys.get(&table).map_or(String::new(), |about| about.text.clone());
+        let about = about.strip_prefix(&format!("`{shown}`: ")).map_or(about.clone(), capitalised);
         let _ = write!(
             text,
             "\n## `{shown}`\n\n{about}\n\n| key | unit | default | range | meaning |\n|---|---|---|---|---|\n"
@@ -95,6 +97,12 @@ pub fn reference() -> String {
         }
     }
     text
+}
+
+/// With a capital letter at the beginning.
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Path of the key or table in a line of TOML; `table` is the table that the line stands in, and is kept.

@@ -16,7 +16,7 @@ pub(super) struct About {
     /// The values of a key, if it names them.
     pub(super) values: Vec<String>,
     /// Kind of the values of a key; empty for a table.
-    pub(super) kind: &'static str,
+    pub(super) kind: String,
 }
 
 /// Keys and tables by their paths; those of the tables of an array follow the name of the array.
@@ -45,8 +45,12 @@ pub(super) fn expected(key: &str) -> Option<String> {
 fn describe(schema: &Schema, object: &Map<String, Value>, path: &str, keys: &mut Keys) {
     for (name, property) in object.get("properties").and_then(Value::as_object).into_iter().flatten() {
         let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
-        let (text, referred) = (text_of(property), resolve(schema, property));
-        let Some(referred) = referred.as_object() else { continue };
+        let Some(referred) = resolve(schema, property).as_object() else { continue };
+        // The tag of a variant stands for what the variant is.
+        let text = match referred.get("const") {
+            Some(tag) => format!("`{tag}`: {}", text_of(object)),
+            None => property.as_object().map(text_of).unwrap_or_default(),
+        };
         let items = referred.get("items").map(|items| resolve(schema, items));
         if let Some(items) = items.and_then(Value::as_object).filter(|items| items.contains_key("properties")) {
             let path = format!("{path}[]");
@@ -56,7 +60,11 @@ fn describe(schema: &Schema, object: &Map<String, Value>, path: &str, keys: &mut
             keys.insert(path.clone(), About { text, ..About::default() });
             describe(schema, referred, &path, keys);
         } else if let Some(about) = keys.get_mut(&path) {
-            about.values.extend(values_of(referred)); // a key that several variants have
+            // A key that several variants have.
+            about.values.extend(values_of(referred));
+            if referred.contains_key("const") {
+                about.text = format!("{} {text}", about.text);
+            }
         } else {
             keys.insert(path, About { text, values: values_of(referred), kind: kind_of(referred) });
         }
@@ -79,8 +87,8 @@ fn resolve<'a>(schema: &'a Schema, property: &'a Value) -> &'a Value {
 }
 
 /// The first paragraph of the description, in one line and without the marks of rustdoc.
-fn text_of(property: &Value) -> String {
-    let text = property.get("description").and_then(Value::as_str).unwrap_or_default();
+fn text_of(schema: &Map<String, Value>) -> String {
+    let text = schema.get("description").and_then(Value::as_str).unwrap_or_default();
     let paragraph = text.split("\n\n").next().unwrap_or_default();
     paragraph.replace('\n', " ").replace("\\[", "[").replace("\\]", "]").replace("[`", "`").replace("`]", "`")
 }
@@ -98,17 +106,18 @@ fn values_of(schema: &Map<String, Value>) -> Vec<String> {
 }
 
 /// Kind of the values of a key.
-fn kind_of(schema: &Map<String, Value>) -> &'static str {
+fn kind_of(schema: &Map<String, Value>) -> String {
     let kind = schema.get("type");
     let kind = kind.and_then(|kind| kind.as_str().or_else(|| kind.get(0).and_then(Value::as_str)));
-    let is_unsigned = schema.get("minimum").and_then(Value::as_f64) == Some(0.0);
-    match kind {
-        Some("number") => "a number",
-        Some("integer") if is_unsigned => "a whole number from 0",
-        Some("integer") => "a whole number",
-        Some("boolean") => "`true` or `false`",
-        Some("array") => "a list",
-        _ => "text",
+    let end = |name: &str| schema.get(name).and_then(Value::as_u64);
+    match (kind, end("minimum"), end("maximum")) {
+        (Some("number"), ..) => "a number".into(),
+        (Some("integer"), Some(from), Some(to)) => format!("a whole number from {from} to {to}"),
+        (Some("integer"), Some(from), None) => format!("a whole number from {from}"),
+        (Some("integer"), None, _) => "a whole number".into(),
+        (Some("boolean"), ..) => "`true` or `false`".into(),
+        (Some("array"), ..) => "a list".into(),
+        _ => "text".into(),
     }
 }
 

@@ -18,7 +18,7 @@ pub enum MotionConfig {
     Straight {
         /// Where it is at the start, m.
         position_m: [f64; 3],
-        /// m/s.
+        /// East, north, up, m/s.
         velocity_mps: [f64; 3],
     },
     /// A trajectory of \[L22\]: `a`, `b` or `cv`, in its own place.
@@ -33,7 +33,7 @@ pub enum MotionConfig {
     Waypoints {
         /// At least two points, m.
         points_m: Vec<[f64; 3]>,
-        /// m/s.
+        /// Along the way, m/s.
         speed_mps: f64,
         /// After the last point to the first again, for ever.
         #[serde(default)]
@@ -41,7 +41,7 @@ pub enum MotionConfig {
     },
     /// A recorded flight: CSV with time, latitude, longitude, height (columns found by their names).
     Csv {
-        /// The file.
+        /// The file; beside the configuration if it is a relative path.
         file: String,
         /// Where the first row is put, m.
         position_m: [f64; 3],
