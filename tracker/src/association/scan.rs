@@ -177,22 +177,19 @@ fn finish(lane: usize, decides: bool, prediction: &Group, update: &Update, outco
         let weight = prediction.weight(j, lane);
         let missed = outcome.selection.missed[j];
         let (mut own, mut without_others) = (0.0, 0.0);
-        match choice.candidates.first().filter(|_| decides) {
-            Some(candidate) => {
-                let density = densities.ln(0, j, lane).exp();
-                own += missed + density * candidate.gain;
-                without_others += missed + density * candidate.alone;
-            }
-            None => {
-                let likelihood = weights.likelihood[j].0[lane];
-                own += likelihood;
-                // L_j without other tracks: every plot's part of it, w_jm L_j, over the plot's share.
-                without_others += weights.none[j].0[lane] * likelihood;
-                for (m, candidate) in choice.candidates.iter().enumerate() {
-                    if candidate.gain > 0.0 {
-                        let part = weights.plots[m * components + j].0[lane] * likelihood;
-                        without_others += part * (candidate.alone / candidate.gain);
-                    }
+        if let Some(candidate) = choice.candidates.first().filter(|_| decides) {
+            let density = densities.ln(0, j, lane).exp();
+            own += missed + density * candidate.gain;
+            without_others += missed + density * candidate.alone;
+        } else {
+            let likelihood = weights.likelihood[j].0[lane];
+            own += likelihood;
+            // L_j without other tracks: every plot's part of it, w_jm L_j, over the plot's share.
+            without_others += weights.none[j].0[lane] * likelihood;
+            for (m, candidate) in choice.candidates.iter().enumerate() {
+                if candidate.gain > 0.0 {
+                    let part = weights.plots[m * components + j].0[lane] * likelihood;
+                    without_others += part * (candidate.alone / candidate.gain);
                 }
             }
         }

@@ -72,7 +72,7 @@ impl WithSimd for Predict<'_> {
         for part in 0..Lanes::<S>::parts(self.lanes) {
             let lanes = Lanes::of(simd, part);
             let before = State { lanes, component: posterior.component(0) };
-            propagate(lanes, &before, noise, lanes.get(step_s), prediction.component_mut::<KNOWN, PACKED>(0));
+            propagate(lanes, &before, noise, lanes.get(step_s), &mut prediction.component_mut::<KNOWN, PACKED>(0));
             lanes.put(&mut prediction.rows_mut()[0], lanes.splat(1.0));
         }
     }
