@@ -104,11 +104,6 @@ impl Scan {
         }
     }
 
-    /// What the components expect, of the last update.
-    pub fn expected(&self) -> &[Expectation] {
-        &self.expected
-    }
-
     /// Updates the predictions in the first lanes, one of each member.
     ///
     /// Without a plot in the gate the prediction is kept and only W_j changes. The same holds for a component whose D is not positive definite.

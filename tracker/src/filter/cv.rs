@@ -37,6 +37,10 @@ impl Filter for ConstantVelocity {
         ESTIMATOR_CV
     }
 
+    fn greatest_acceleration_mps2(&self) -> f64 {
+        self.noise.amplitude
+    }
+
     fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]) {
         let gaussian = from.moving(self.noise);
         state[0] = 1.0;

@@ -94,6 +94,9 @@ pub trait Filter: Debug + Send + Sync {
     /// Its number in messages: `ESTIMATOR_…` of [`common::tracks`].
     fn estimator(&self) -> u16;
 
+    /// Change of range rate in a second that a target which starts a track may make, m/s².
+    fn greatest_acceleration_mps2(&self) -> f64;
+
     /// Writes the state of a target of which two plots are known.
     fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]);
 

@@ -202,7 +202,7 @@ impl Tracker {
             if seconds_between(track.next.time_ns, to_ns).abs() > TIMING_S {
                 let time = DetectionTime { from_ns: track.time_ns, to_ns, angle_rad: track.next.angle_rad };
                 forecast.predict_one(environment, rules.alpha, tracks, place, time, sweep);
-                updates.rivals.note(place, &tracks[place]);
+                updates.rivals.record(place, &tracks[place]);
             }
             let track = &mut tracks[place];
             track.amplitude.renew_statistics(config, &environment.detector);
@@ -460,7 +460,7 @@ impl Tracker {
             };
             prediction.store(lane, tracks.states.prediction_mut(place, Of::NextScan));
             tracks[place].next = next;
-            rivals.note(place, &tracks[place]);
+            rivals.record(place, &tracks[place]);
             agenda.add(tracks.handle(place), &tracks[place].next);
         });
         for lane in (0..LANES).filter(|&lane| unsound[lane]) {

@@ -65,6 +65,10 @@ impl Filter for Uav {
         ESTIMATOR_IMM_UAV
     }
 
+    fn greatest_acceleration_mps2(&self) -> f64 {
+        self.noise[MANOEUVRE]
+    }
+
     /// (T17); the hover mode starts at rest.
     fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]) {
         state[..MODES].copy_from_slice(&self.start_probability);
