@@ -26,7 +26,7 @@ use super::gaussian::at;
 use super::group::{Component, ComponentMut, Group, for_known};
 use super::lanes::{Lanes, Mask, Row, V, dot};
 use super::machine::Machine;
-use super::{PACKED_4, Prior};
+use super::prior::{PACKED_4, Prior};
 use crate::plots::measurement::COORDINATES;
 
 /// What the scan was to the components of a group.

@@ -4,10 +4,14 @@ use common::tracks::{ESTIMATOR_CV, KIND_CONSTANT_VELOCITY, Models};
 use pulp::{Simd, WithSimd};
 
 use super::gaussian::{at, packed};
-use super::group::Component;
-use super::lanes::{Lanes, V};
+use super::group::{Component, Group};
+use super::lanes::{Lanes, Row, V};
+use super::layout::Layout;
+use super::machine::Machine;
+use super::mixture::Mixture;
 use super::propagate::{Before, Noise, propagate};
-use super::{Filter, Group, Layout, Machine, Mixture, Row, TwoPlots};
+use super::seam::Filter;
+use super::start::TwoPlots;
 
 /// States that it knows: position and velocity.
 const KNOWN: usize = 6;

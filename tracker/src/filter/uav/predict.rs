@@ -15,7 +15,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{CONSTANT_VELOCITY, DIMENSIONS, HOVER, LAYOUT, MANOEUVRE, MODES, Uav};
+use super::modes::{CONSTANT_VELOCITY, DIMENSIONS, HOVER, LAYOUT, MANOEUVRE, MODES, Uav};
 use crate::filter::gaussian::{at, packed};
 use crate::filter::group::{Component, Group};
 use crate::filter::lanes::{Lanes, Row, V, dot};
