@@ -130,7 +130,9 @@ fn kernel(criterion: &mut Criterion, group: &str, lanes: usize, own_errors: bool
                     evidence.clear(layout.len());
                     for (lane, plots) in plots.iter().enumerate() {
                         evidence.set_none(lane, &[miss; 3]);
-                        plots.iter().for_each(|plot| evidence.add(lane, plot, 0.0, 1e8));
+                        for plot in plots {
+                            evidence.add(lane, plot, 0.0, 1e8);
+                        }
                     }
                     let prior = Prior { prediction: &prediction, expected: &expected, inflation: INFLATION };
                     FILTER.update(machine, plots.len(), prior, &evidence, &mut update);

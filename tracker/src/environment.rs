@@ -30,6 +30,8 @@ pub(crate) struct Environment {
     /// Statistics of the power of a target of which nothing is known yet.
     start_target: TargetStatistics,
     pub(crate) filter: Box<dyn Filter>,
+    /// Of the pairs of plots that may start a track.
+    pub(crate) limits: PairLimits,
     pub(crate) machine: Machine,
     pub(crate) clutter: ClutterMap,
 }
@@ -42,13 +44,18 @@ impl Environment {
         let variance = cell.map(|cell| cell * cell / 12.0);
         let radar = Radar { variance, cell, measured: [true, true, cell[2] > 0.0, cell[3] > 0.0] };
         let detector = Detector::new(pfa, header.reference_cells);
+        let filter = family(config, &radar);
         let base = config.clutter_floor.max(header.pfa);
         Self {
             radar,
             detector,
             threshold_is_known: header.pfa > 0.0,
             start_target: detector.target(config.swerling, from_db(config.snr_db)),
-            filter: family(config, &radar),
+            limits: PairLimits {
+                speed_mps: config.start_speed_mps,
+                acceleration_mps2: filter.greatest_acceleration_mps2(),
+            },
+            filter,
             machine,
             clutter: ClutterMap::new(radar, detector, base, config.clutter_map_scans),
         }
@@ -73,7 +80,6 @@ impl Environment {
         last: &Measurement,
         step_s: f64,
         turn: u32,
-        limits: &PairLimits,
         config: &TrackerConfig,
     ) -> f64 {
         let evidence = |plot: &Measurement| {
@@ -85,7 +91,7 @@ impl Environment {
             };
             ratio / (here.density * self.clutter.cell_volume(plot))
         };
-        let cells = limits.cells(last, step_s, &self.radar);
+        let cells = self.limits.cells(last, step_s, &self.radar);
         let odds = (config.start_density * evidence(last) * evidence(previous) / cells).min(1e12);
         (odds / (1.0 + odds)).min(config.start_existence)
     }

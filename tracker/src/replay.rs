@@ -42,14 +42,15 @@ pub fn replay<W: Write>(
     for message in messages {
         let Recorded::Plots(header, plots) = message? else { continue };
         let begin_ns = monotonic_ns();
-        let taken = tracker.process_plots(&header, &plots, &mut tracks);
+        let processed = tracker.process_plots(&header, &plots, &mut tracks);
         summary.tracker_ns += monotonic_ns() - begin_ns;
         summary.plots += plots.len() as u64;
-        summary.rejected += taken.rejected.total();
+        summary.rejected += processed.rejected.total();
         summary.scans += u64::from(scan != Some((header.session, header.scan)));
         scan = Some((header.session, header.scan));
         summary.tracks = tracks.iter().map(|track| track.id).max().unwrap_or(0).max(summary.tracks);
-        let tracks_header = TracksHeader { session: header.session, ..header_of(&header, &taken, summary.messages, 0) };
+        let tracks_header =
+            TracksHeader { session: header.session, ..header_of(&header, &processed, summary.messages, 0) };
         summary.messages += 1;
         out.write(RecordedRef::Tracks(&tracks_header, &tracks))?;
     }

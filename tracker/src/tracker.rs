@@ -31,7 +31,6 @@ use crate::filter::{Machine, layout_of};
 use crate::plots::measurement::Measurement;
 use crate::plots::store::{Entry, PlotStore};
 use crate::tracks::handle::Handle;
-use crate::tracks::initiation::PairLimits;
 use crate::tracks::store::TrackStore;
 use births::Births;
 use forecast::Forecast;
@@ -53,7 +52,6 @@ pub struct Processed {
 pub struct Tracker {
     config: TrackerConfig,
     rules: Rules,
-    limits: PairLimits,
     sweep: Sweep,
     plots: PlotStore,
     machine: Machine,
@@ -81,7 +79,6 @@ impl Tracker {
         Ok(Self {
             config: config.clone(),
             rules,
-            limits: PairLimits { speed_mps: config.start_speed_mps, acceleration_mps2: config.manoeuvre_noise_mps3 },
             sweep: Sweep::default(),
             plots: PlotStore::default(),
             machine: Machine::default(),

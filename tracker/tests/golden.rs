@@ -283,37 +283,32 @@ impl Check {
             } else {
                 outcome.plots_in_gate as f64 / selection.volume
             };
-            self.all_close(
-                "L",
-                &self.likelihoods(&track, &rules, outcome.plots_in_gate, density, &target),
-                &golden["L"],
-            );
+            self.all_close("L", &likelihoods(&track, &rules, outcome.plots_in_gate, density, &target), &golden["L"]);
         }
         self.same_state("updated", &filter, track.state(), &output["updated"]);
     }
+}
 
-    /// L_j in the files' terms: over D/ρ_c where there are plots, and the density of the one plot of a hard decision.
-    fn likelihoods(
-        &self,
-        track: &OneTrack,
-        rules: &Rules,
-        plots_in_gate: usize,
-        density: f64,
-        target: &TargetStatistics,
-    ) -> Vec<f64> {
-        let update = &track.scan.update;
-        let of = |j: usize| {
-            let ours = update.weights.likelihood[j].0[0];
-            if plots_in_gate == 0 {
-                ours
-            } else if rules.association.decides() {
-                update.densities.ln(0, j, 0).exp()
-            } else {
-                ours * density / target.detection_probability
-            }
-        };
-        (0..MODES).map(of).collect()
-    }
+/// L_j in the files' terms: over D/ρ_c where there are plots, and the density of the one plot of a hard decision.
+fn likelihoods(
+    track: &OneTrack,
+    rules: &Rules,
+    plots_in_gate: usize,
+    density: f64,
+    target: &TargetStatistics,
+) -> Vec<f64> {
+    let update = &track.scan.update;
+    let of = |j: usize| {
+        let ours = update.weights.likelihood[j].0[0];
+        if plots_in_gate == 0 {
+            ours
+        } else if rules.association.decides() {
+            update.densities.ln(0, j, 0).exp()
+        } else {
+            ours * density / target.detection_probability
+        }
+    };
+    (0..MODES).map(of).collect()
 }
 
 /// The state of these modes; what the near-constant-velocity mode says of acceleration is the memory.

@@ -407,13 +407,14 @@ fn merge(filter: &dyn Filter, room: &mut Room, most: usize, kept: &mut Family) {
             let difference = other.place - centre;
             factor.as_ref().is_some_and(|factor| difference.dot(&factor.solve(&difference)) < ALIKE)
         };
-        let mut end = first + 1;
-        for index in end..born.all.len() {
+        let mut cluster = 1;
+        for index in first + 1..born.all.len() {
             if alike(&born.all[index]) {
-                born.swap(layout, end, index);
-                end += 1;
+                born.swap(layout, first + cluster, index);
+                cluster += 1;
             }
         }
+        let end = first + cluster;
         let ln_weight = ln_sum(born.all[first..end].iter().map(|hypothesis| hypothesis.ln_weight));
         if end == first + 1 {
             kept.push(layout, ln_weight, born.state(layout, first));

@@ -207,7 +207,7 @@ impl Sharing {
     }
 }
 
-const _: () = assert!(1 + MOST_NEAR <= LANES);
+const _: () = assert!(MOST_NEAR < LANES);
 
 impl Sharing {
     /// Computes with other instructions.

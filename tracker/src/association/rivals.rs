@@ -26,20 +26,20 @@ impl Rivals {
         if self.0.reach_m().to_bits() != reach_m.to_bits() {
             self.0.clear(reach_m);
             for place in tracks.alive() {
-                self.note(place, &tracks[place]);
+                self.record(place, &tracks[place]);
             }
         }
     }
 
-    /// Notes where the track at a place of the roster is now.
-    pub fn note(&mut self, place: usize, track: &LiveTrack) {
+    /// Records where the track at a place of the store is expected and was.
+    pub fn record(&mut self, place: usize, track: &LiveTrack) {
         if track.life.is_confirmed() {
             self.0.put(2 * place as u32, track.next.position_m);
             self.0.put(2 * place as u32 + 1, track.last.position_m);
         }
     }
 
-    /// Notes that a track has ended.
+    /// Removes a track that has ended.
     pub fn forget(&mut self, place: usize) {
         self.0.remove(2 * place as u32);
         self.0.remove(2 * place as u32 + 1);

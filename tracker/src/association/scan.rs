@@ -104,11 +104,6 @@ impl Scan {
         }
     }
 
-    /// What the components expect, of the last update.
-    pub fn expected(&self) -> &[Expectation] {
-        &self.expected
-    }
-
     /// Updates the predictions in the first lanes, one of each member.
     ///
     /// Without a plot in the gate the prediction is kept and only W_j changes. The same holds for a component whose D is not positive definite.
@@ -177,22 +172,19 @@ fn finish(lane: usize, decides: bool, prediction: &Group, update: &Update, outco
         let weight = prediction.weight(j, lane);
         let missed = outcome.selection.missed[j];
         let (mut own, mut without_others) = (0.0, 0.0);
-        match choice.candidates.first().filter(|_| decides) {
-            Some(candidate) => {
-                let density = densities.ln(0, j, lane).exp();
-                own += missed + density * candidate.gain;
-                without_others += missed + density * candidate.alone;
-            }
-            None => {
-                let likelihood = weights.likelihood[j].0[lane];
-                own += likelihood;
-                // L_j without other tracks: every plot's part of it, w_jm L_j, over the plot's share.
-                without_others += weights.none[j].0[lane] * likelihood;
-                for (m, candidate) in choice.candidates.iter().enumerate() {
-                    if candidate.gain > 0.0 {
-                        let part = weights.plots[m * components + j].0[lane] * likelihood;
-                        without_others += part * (candidate.alone / candidate.gain);
-                    }
+        if let Some(candidate) = choice.candidates.first().filter(|_| decides) {
+            let density = densities.ln(0, j, lane).exp();
+            own += missed + density * candidate.gain;
+            without_others += missed + density * candidate.alone;
+        } else {
+            let likelihood = weights.likelihood[j].0[lane];
+            own += likelihood;
+            // L_j without other tracks: every plot's part of it, w_jm L_j, over the plot's share.
+            without_others += weights.none[j].0[lane] * likelihood;
+            for (m, candidate) in choice.candidates.iter().enumerate() {
+                if candidate.gain > 0.0 {
+                    let part = weights.plots[m * components + j].0[lane] * likelihood;
+                    without_others += part * (candidate.alone / candidate.gain);
                 }
             }
         }

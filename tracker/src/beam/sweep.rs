@@ -107,11 +107,6 @@ impl Sweep {
         shift(self.time_ns, (angle_rad - self.beam_rad) / TAU * self.period_s)
     }
 
-    /// Where the beam is at a time.
-    pub fn angle_at(&self, time_ns: u64) -> f64 {
-        self.beam_rad + seconds_between(self.time_ns, time_ns) / self.period_s * TAU
-    }
-
     /// Unwrapped angle of an azimuth in the last message: the turn nearest to what it covers.
     pub fn unwrap(&self, header: &PlotsHeader, azimuth_rad: f64) -> f64 {
         let middle = 0.5 * (header.covered_from_rad + header.covered_to_rad);

@@ -26,7 +26,7 @@ use super::gaussian::at;
 use super::group::{Component, ComponentMut, Group, for_known};
 use super::lanes::{Lanes, Mask, Row, V, dot};
 use super::machine::Machine;
-use super::{PACKED_4, Prior};
+use super::prior::{PACKED_4, Prior};
 use crate::plots::measurement::COORDINATES;
 
 /// What the scan was to the components of a group.
@@ -231,7 +231,7 @@ fn reweight<S: Simd>(lanes: Lanes<S>, prediction: &Group, weights: &Weights, pos
     for j in 0..components {
         let ratio = lanes.get(&weights.likelihood[j]) / largest;
         after[j] = (lanes.get(&prediction.rows()[j]) * ratio).rounded();
-        total = total + after[j];
+        total += after[j];
     }
     let explained = largest.is_positive().and(total.is_positive());
     for j in 0..components {
@@ -331,7 +331,7 @@ fn absorb_component<S: Simd, const N: usize, const P: usize>(
     for k in 0..PACKED_4 {
         spread[k] = sound.pick((spread[k] - sharing * likelihood.inverse[k]) * scale, zero);
     }
-    correct(lanes, from, &mean, &spread, posterior.component_mut(j))
+    correct(lanes, from, &mean, &spread, &mut posterior.component_mut(j))
 }
 
 /// D⁻¹ and the peak of N(·; 0, D) for the plots of `slot`.
@@ -497,7 +497,7 @@ fn correct<S: Simd, const N: usize, const P: usize>(
     from: From<'_, N, P>,
     y: &[V<S>; COORDINATES],
     spread: &[V<S>; PACKED_4],
-    posterior: ComponentMut<'_, N, P>,
+    posterior: &mut ComponentMut<'_, N, P>,
 ) -> V<S> {
     let predicted = from.predicted;
     let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));

@@ -4,10 +4,14 @@ use common::tracks::{ESTIMATOR_CV, KIND_CONSTANT_VELOCITY, Models};
 use pulp::{Simd, WithSimd};
 
 use super::gaussian::{at, packed};
-use super::group::Component;
-use super::lanes::{Lanes, V};
+use super::group::{Component, Group};
+use super::lanes::{Lanes, Row, V};
+use super::layout::Layout;
+use super::machine::Machine;
+use super::mixture::Mixture;
 use super::propagate::{Before, Noise, propagate};
-use super::{Filter, Group, Layout, Machine, Mixture, Row, TwoPlots};
+use super::seam::Filter;
+use super::start::TwoPlots;
 
 /// States that it knows: position and velocity.
 const KNOWN: usize = 6;
@@ -35,6 +39,10 @@ impl Filter for ConstantVelocity {
 
     fn estimator(&self) -> u16 {
         ESTIMATOR_CV
+    }
+
+    fn greatest_acceleration_mps2(&self) -> f64 {
+        self.noise.amplitude
     }
 
     fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]) {
@@ -72,7 +80,7 @@ impl WithSimd for Predict<'_> {
         for part in 0..Lanes::<S>::parts(self.lanes) {
             let lanes = Lanes::of(simd, part);
             let before = State { lanes, component: posterior.component(0) };
-            propagate(lanes, &before, noise, lanes.get(step_s), prediction.component_mut::<KNOWN, PACKED>(0));
+            propagate(lanes, &before, noise, lanes.get(step_s), &mut prediction.component_mut::<KNOWN, PACKED>(0));
             lanes.put(&mut prediction.rows_mut()[0], lanes.splat(1.0));
         }
     }

@@ -5,7 +5,7 @@
 //! P = upper triangle, column by column: element (i ≤ j) at j (j + 1)/2 + i
 //! ```
 //!
-//! So a mode that knows only positions (hover), or positions and velocities, is a prefix of
+//! So a component that knows only positions, or positions and velocities, is a prefix of
 //! both: its 3 or 6 states, its 6 or 21 covariances. One triangle is stored, which makes
 //! every covariance symmetric by construction. Messages keep the order
 //! [x ẋ ẍ y ẏ ÿ z ż z̈] of the design; [`Gaussian::to_message`] translates.

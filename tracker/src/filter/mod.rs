@@ -11,7 +11,7 @@
 //! start             two plots make a state    (T17)   machine           the machine's instructions
 //! propagate         F, G of a component  (T1), (T4)   expect            h(u*), gates       (T5), (T9)
 //! uav, cv           the families                      evidence, absorb  the update   (T8), (T14), (T15)
-//!                                                     moments           mean and covariance    (T16)
+//! seam, catalogue   what a family is, and which there are   moments     mean and covariance    (T16)
 //! ```
 //!
 //! Formulas are written once, over vectors of up to eight tracks whose width is the machine's; one or two tracks are computed by the same code
@@ -20,6 +20,7 @@
 #![expect(clippy::inline_always, reason = "vectors must stay in the function that was compiled for the machine")]
 
 mod absorb;
+mod catalogue;
 pub mod cv;
 mod evidence;
 mod expect;
@@ -31,19 +32,14 @@ mod layout;
 mod machine;
 mod mixture;
 mod moments;
+mod prior;
 mod propagate;
+mod seam;
 mod start;
 pub mod uav;
 
-use std::fmt::Debug;
-
-use common::config::{Estimator, TrackerConfig};
-use common::tracks::Models;
-
-use crate::plots::measurement::COORDINATES;
-use crate::plots::radar::Radar;
-
 pub use absorb::{Densities, Weights, absorb};
+pub use catalogue::{family, layout_of};
 pub use evidence::Evidence;
 pub use expect::{Expectation, expect};
 pub use group::Group;
@@ -52,86 +48,6 @@ pub use layout::Layout;
 pub use machine::Machine;
 pub use mixture::{Mixture, merge, most_probable};
 pub use moments::Moments;
+pub use prior::Prior;
+pub use seam::{Filter, Update};
 pub use start::TwoPlots;
-
-/// Elements of the packed triangle of D.
-const PACKED_4: usize = gaussian::packed(COORDINATES);
-
-/// What is known of a group before a scan.
-#[derive(Debug, Clone, Copy)]
-pub struct Prior<'a> {
-    /// u*, P*, W*.
-    pub prediction: &'a Group,
-    /// What each component expects.
-    pub expected: &'a [Expectation],
-    /// γ of (T7).
-    pub inflation: f64,
-}
-
-/// What a scan makes of a group.
-#[derive(Debug)]
-pub struct Update {
-    /// û, P̂, W.
-    pub posterior: Group,
-    /// L_j, w_jm, w_j0.
-    pub weights: Weights,
-    /// Where densities are asked for.
-    pub densities: Densities,
-}
-
-impl Update {
-    /// Room for states of a form.
-    pub fn new(layout: &Layout) -> Self {
-        Self { posterior: Group::new(layout), weights: Weights::default(), densities: Densities::default() }
-    }
-}
-
-/// A family of filters: how states of its [`Layout`] begin, move and learn.
-pub trait Filter: Debug + Send + Sync {
-    /// The form of its states.
-    fn layout(&self) -> &Layout;
-
-    /// Its number in messages: `ESTIMATOR_…` of [`common::tracks`].
-    fn estimator(&self) -> u16;
-
-    /// Writes the state of a target of which two plots are known.
-    fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]);
-
-    /// Predicts the states in `lanes` lanes by the time of each lane, s.
-    fn predict(&self, machine: Machine, lanes: usize, posterior: &Group, step_s: &Row, prediction: &mut Group);
-
-    /// Updates the predictions in `lanes` lanes by the evidence of a scan. As a rule every component takes all of it.
-    fn update(&self, machine: Machine, lanes: usize, prior: Prior<'_>, evidence: &Evidence, update: &mut Update) {
-        let Update { posterior, weights, densities } = update;
-        absorb(machine, lanes, prior, evidence, densities, weights, posterior);
-    }
-
-    /// One state with the moments of several; `shares` sum to 1. As a rule component by component.
-    fn merge(&self, shares: &[f64], states: &[f64], into: &mut [f64]) {
-        merge(self.layout(), shares, states, into);
-    }
-
-    /// What the state says of the target's way to move, for messages.
-    fn models(&self, state: Mixture<'_>) -> Models;
-
-    /// Adds to a covariance what a state says of states that its components do not know: of one component, or of all together. As a rule
-    /// nothing.
-    fn complete(&self, _state: Mixture<'_>, _component: Option<usize>, _of: &mut gaussian::Gaussian) {}
-}
-
-/// The form of the states of a family.
-pub fn layout_of(estimator: Estimator) -> Layout {
-    match estimator {
-        Estimator::ImmUav => uav::LAYOUT,
-        Estimator::Cv => cv::LAYOUT,
-    }
-}
-
-/// The family that the configuration names, for a radar.
-pub fn family(config: &TrackerConfig, radar: &Radar) -> Box<dyn Filter> {
-    let axes = if radar.measured[2] { 3 } else { 2 };
-    match config.estimator {
-        Estimator::ImmUav => Box::new(uav::Uav::new(config, axes)),
-        Estimator::Cv => Box::new(cv::ConstantVelocity::new(config.cv_noise_mps2, axes)),
-    }
-}

@@ -40,7 +40,7 @@ pub(in crate::filter) fn propagate<S: Simd, const N: usize, const P: usize>(
     before: &impl Before<S>,
     noise: Noise,
     t: V<S>,
-    out: ComponentMut<'_, N, P>,
+    out: &mut ComponentMut<'_, N, P>,
 ) {
     let known = N / 3;
     // T, T²/2, T³/6; G is a times the last `known` of them, backwards.

@@ -31,7 +31,7 @@ impl Tracker {
         let begins = |track| tracks.find(track).map(|place| tracks[place].next.begins_rad());
         let claimed_from = agenda.claimed_from(covered_rad, begins);
         let settled = self.plots.settle(claimed_from);
-        self.births.index_earlier(&self.plots, settled.clone(), &self.limits, self.sweep.period_s());
+        self.births.index_earlier(&self.plots, settled.clone(), &environment.limits, self.sweep.period_s());
         for (nth, index) in settled.enumerate() {
             let entry = self.plots.entry(index);
             let turn = (entry.angle_rad / TAU).max(0.0) as u32;
@@ -50,10 +50,10 @@ impl Tracker {
 
     /// A tentative track that ends at the stored plot `index`, the `nth` of those settled, if there is a plot of the turn before to begin it.
     fn start(&mut self, index: usize, nth: usize, turn: u32, environment: &Environment) -> Option<Handle> {
-        let (previous, step_s) = self.partner(index, nth)?;
+        let (previous, step_s) = self.partner(index, nth, &environment.limits)?;
         let (entry, last) = (*self.plots.entry(index), self.plots.measurement(index));
         let previous = self.plots.measurement(previous);
-        let existence = environment.start_existence(previous, last, step_s, turn, &self.limits, &self.config);
+        let existence = environment.start_existence(previous, last, step_s, turn, &self.config);
         if existence < LEAST_EXISTENCE {
             return None;
         }
@@ -107,8 +107,8 @@ impl Tracker {
     }
 
     /// The best plot of the turn before for a start, and the time between the two.
-    fn partner(&mut self, index: usize, nth: usize) -> Option<(usize, f64)> {
-        let Self { births, plots, limits, sweep, .. } = self;
+    fn partner(&mut self, index: usize, nth: usize, limits: &PairLimits) -> Option<(usize, f64)> {
+        let Self { births, plots, sweep, .. } = self;
         let (last, angle_rad) = (plots.measurement(index), plots.entry(index).angle_rad);
         let period_s = sweep.period_s();
         let half_azimuth_rad = births.half_azimuths_rad[nth];

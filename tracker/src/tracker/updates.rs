@@ -31,8 +31,9 @@ use crate::tracks::track::{LastScan, LiveTrack};
 #[derive(Debug)]
 pub(super) struct Updates {
     pub(super) rivals: Rivals,
-    /// Places of the tracks due.
-    due: Vec<usize>,
+    handles: Vec<Handle>,
+    /// The tracks due.
+    due: Vec<Due>,
     /// Those that the beam has not reached before the stream ended.
     unreached: Vec<Handle>,
     pending: Vec<Pending>,
@@ -56,6 +57,7 @@ impl Updates {
     pub(super) fn new(layout: &Layout, inflation: f64) -> Self {
         Self {
             rivals: Rivals::default(),
+            handles: Vec::with_capacity(256),
             due: Vec::new(),
             unreached: Vec::with_capacity(256),
             pending: Vec::new(),
@@ -76,6 +78,14 @@ impl Updates {
     pub(super) fn on(&mut self, machine: Machine) {
         self.sharing.on(machine);
     }
+}
+
+/// A track whose gates the beam has passed, and what it is sorted by.
+#[derive(Debug, Clone, Copy)]
+struct Due {
+    is_confirmed: bool,
+    angle_rad: f64,
+    handle: Handle,
 }
 
 /// The update of a track at its detection opportunity [`next`](crate::tracks::track::LiveTrack::next).
@@ -144,25 +154,30 @@ impl Tracker {
         messages: &mut Vec<Track>,
     ) {
         let Self { agenda, tracks, updates, .. } = self;
-        let Updates { rivals, due, unreached, .. } = updates;
+        let Updates { rivals, handles, due, unreached, .. } = updates;
         rivals.suit(&environment.radar, tracks);
         due.clear();
+        handles.clear();
         while let Some(handle) = agenda.pop_due(if ended { f64::INFINITY } else { covered_rad }) {
-            match tracks.find(handle) {
-                Some(place) if ended && tracks[place].next.angle_rad > covered_rad => unreached.push(handle),
-                Some(place) => due.push(place),
-                None => {}
+            handles.push(handle);
+        }
+        for &handle in handles.iter() {
+            let Some(place) = tracks.find(handle) else { continue };
+            let track = &tracks[place];
+            if ended && track.next.angle_rad > covered_rad {
+                unreached.push(handle);
+            } else {
+                due.push(Due { is_confirmed: track.life.is_confirmed(), angle_rad: track.next.due_rad(), handle });
             }
         }
         for handle in unreached.drain(..) {
             agenda.add(handle, &tracks[handle.place as usize].next);
         }
-        due.sort_unstable_by(|&a, &b| {
-            let (a, b) = (&tracks[a], &tracks[b]);
-            let by_passage = a.next.due_rad().total_cmp(&b.next.due_rad()).then(a.id.cmp(&b.id));
-            b.life.is_confirmed().cmp(&a.life.is_confirmed()).then(by_passage)
+        due.sort_unstable_by(|a, b| {
+            let by_beam = a.angle_rad.total_cmp(&b.angle_rad).then(a.handle.cmp(&b.handle));
+            b.is_confirmed.cmp(&a.is_confirmed).then(by_beam)
         });
-        let confirmed = due.partition_point(|&place| tracks[place].life.is_confirmed());
+        let confirmed = due.partition_point(|due| due.is_confirmed);
         for range in [0..confirmed, confirmed..due.len()] {
             if !range.is_empty() {
                 self.prepare(range, covered_rad, environment);
@@ -176,7 +191,7 @@ impl Tracker {
     fn prepare(&mut self, due: Range<usize>, covered_rad: f64, environment: &Environment) {
         let Self { config, rules, sweep, tracks, updates, forecast, .. } = self;
         updates.pending.clear();
-        for &place in &updates.due[due] {
+        for place in updates.due[due].iter().map(|due| due.handle.place as usize) {
             let track = &mut tracks[place];
             // Whole turns may have been lost: the opportunity that counts is the last one covered.
             let lost_turns = ((covered_rad - track.next.due_rad()) / TAU).floor();
@@ -187,7 +202,7 @@ impl Tracker {
             if seconds_between(track.next.time_ns, to_ns).abs() > TIMING_S {
                 let time = DetectionTime { from_ns: track.time_ns, to_ns, angle_rad: track.next.angle_rad };
                 forecast.predict_one(environment, rules.alpha, tracks, place, time, sweep);
-                updates.rivals.note(place, &tracks[place]);
+                updates.rivals.record(place, &tracks[place]);
             }
             let track = &mut tracks[place];
             track.amplitude.renew_statistics(config, &environment.detector);
@@ -445,7 +460,7 @@ impl Tracker {
             };
             prediction.store(lane, tracks.states.prediction_mut(place, Of::NextScan));
             tracks[place].next = next;
-            rivals.note(place, &tracks[place]);
+            rivals.record(place, &tracks[place]);
             agenda.add(tracks.handle(place), &tracks[place].next);
         });
         for lane in (0..LANES).filter(|&lane| unsound[lane]) {

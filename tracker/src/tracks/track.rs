@@ -73,32 +73,35 @@ impl LastScan {
 }
 
 /// A track but for its states, which are in the [`store`](super::store).
+///
+/// What is asked of every track that is due, and of its neighbours, comes first and shares cache lines.
 #[derive(Debug, Clone, PartialEq)]
+#[repr(C)]
 pub struct LiveTrack {
     /// Its number.
     pub id: u64,
-    /// With (T21), the hypotheses whose mixture the posterior is.
-    pub hypotheses: Option<Hypotheses>,
+    /// The detection opportunity to come.
+    pub next: Opportunity,
+    /// Existence and counts.
+    pub life: Life,
     /// Time of the posterior: the last detection opportunity.
     pub time_ns: u64,
     /// Unwrapped beam angle at that time.
     pub angle_rad: f64,
     /// Plots up to this angle have been offered to the track: none is offered twice.
     pub searched_to_rad: f64,
-    /// The detection opportunity to come.
-    pub next: Opportunity,
-    /// The one before, whose scan it has been updated with.
-    pub last: Opportunity,
-    /// Existence and counts.
-    pub life: Life,
-    /// Signal-to-noise ratio.
-    pub amplitude: Amplitude,
-    /// For the message.
-    pub last_scan: LastScan,
-    /// With which stronger track it may be one.
-    pub duplicate_of: Option<DuplicateOf>,
     /// Scans, once confirmed, with a plot of its own while no other track was within the radar's resolution.
     pub scans_apart: u32,
+    /// Signal-to-noise ratio.
+    pub amplitude: Amplitude,
+    /// The opportunity before, whose scan it has been updated with.
+    pub last: Opportunity,
+    /// For the message.
+    pub last_scan: LastScan,
+    /// With (T21), the hypotheses whose mixture the posterior is.
+    pub hypotheses: Option<Hypotheses>,
+    /// With which stronger track it may be one.
+    pub duplicate_of: Option<DuplicateOf>,
 }
 
 /// A stronger track that does what this one does.

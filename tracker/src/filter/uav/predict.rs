@@ -15,7 +15,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{CONSTANT_VELOCITY, DIMENSIONS, HOVER, LAYOUT, MANOEUVRE, MODES, Uav};
+use super::modes::{CONSTANT_VELOCITY, DIMENSIONS, HOVER, LAYOUT, MANOEUVRE, MODES, Uav};
 use crate::filter::gaussian::{at, packed};
 use crate::filter::group::{Component, Group};
 use crate::filter::lanes::{Lanes, Row, V, dot};
@@ -124,7 +124,7 @@ fn mix<S: Simd, const N: usize, const P: usize>(
     prediction: &mut Group,
 ) {
     let mixing = Mixing::<S, N>::new(lanes, from, share, filter.axes);
-    let out = prediction.component_mut::<N, P>(mode);
+    let out = &mut prediction.component_mut::<N, P>(mode);
     propagate(lanes, &mixing, filter.noise_of(mode), t, out);
 }
 
