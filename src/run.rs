@@ -77,8 +77,8 @@ pub(crate) fn launch(
         if !domain.is_alive() {
             domain.remove(); // what a killed chain has left; an observer may wait for this one
         }
-        if !chain.soak.log.is_empty() {
-            let _ = std::fs::remove_file(&chain.soak.log); // of an earlier soak, to which nobody writes any more
+        for log in sites.latency_logs() {
+            let _ = std::fs::remove_file(log); // of an earlier soak, to which nobody writes any more
         }
         Domain::check_shared_memory(&sites)?;
     }

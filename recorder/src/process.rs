@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use common::config::{ChainConfig, Sites};
 use common::health::Health;
 use common::ipc::{Flow, IpcError, Station, Subscriber, Turn, attend};
-use common::latency_log::{self, LatencyLog};
+use common::latency_log::LatencyLog;
 use common::message::END_OF_STREAM;
 use common::messages::{ForTopic, Message};
 use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, stop_requested};
@@ -47,12 +47,9 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let inputs = stations.iter().zip(sites.all()).map(|(station, site)| Inputs::new(station, site));
     let inputs = inputs.collect::<Result<Vec<_>, _>>()?;
     let mut recorders = Vec::with_capacity(inputs.len());
+    let mut logs = sites.latency_logs().into_iter();
     for site in sites.all() {
-        let mut site = site.clone();
-        if sites.only().is_none() && !site.soak.log.is_empty() {
-            site.soak.log = latency_log::of_site(&site.soak.log, &site.site.name);
-        }
-        recorders.push(SiteRecorder::new(&site, session)?);
+        recorders.push(SiteRecorder::new(site, session, logs.next())?);
     }
     let place = ReportPlace::reserve(Path::new(&chain.recorder.report), &chain.ipc.prefix)?;
     let mut wakes = Vec::new();
@@ -188,7 +185,7 @@ struct SiteRecorder {
 
 impl SiteRecorder {
     /// Begins a file of the run. If the run has earlier files, its report covers them too.
-    fn new(chain: &ChainConfig, session: u64) -> anyhow::Result<Self> {
+    fn new(chain: &ChainConfig, session: u64, log: Option<String>) -> anyhow::Result<Self> {
         let id = if chain.run.id.is_empty() { (session / 1_000_000_000).to_string() } else { chain.run.id.clone() };
         let mut fold = Fold::new(chain);
         let mut recording = chain.recorder.record.then(|| Recording::new(chain, &id, session));
@@ -204,9 +201,9 @@ impl SiteRecorder {
             }
         }
         // From here on: what was read again is in the log already.
-        if !chain.soak.log.is_empty() {
-            let opened = File::options().create(true).append(true).open(&chain.soak.log).and_then(LatencyLog::begin);
-            let refuse = |error| BadInput(format!("log of latencies {}: {error}", chain.soak.log));
+        if let Some(log) = log {
+            let opened = File::options().create(true).append(true).open(&log).and_then(LatencyLog::begin);
+            let refuse = |error| BadInput(format!("log of latencies {log}: {error}"));
             fold.log_latencies(opened.map_err(refuse)?);
         }
         Ok(Self { fold, recording, gaps: Vec::new(), ended: false, ended_at: None })

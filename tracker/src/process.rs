@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use anyhow::Context;
+use common::config::Source;
 use common::health::{Reject, Rejected};
 use common::ipc::{Flow, Station, Turn, attend};
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, TRUNCATED};
@@ -36,6 +37,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let mut rejected = Rejected::default();
     let mut tracks = Vec::with_capacity(MAX_TRACKS);
     let mut plots_of_scan = 0;
+    let external = chain.run.source == Source::External;
 
     attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
         let turn = Turn::begin();
@@ -75,8 +77,9 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             reporter.health.set_rejected(&rejected);
             reporter.publish()?;
         }
-        // Asked to stop, it still works off what is sent until the last plots.
-        let abandoned = !turn.is_over() && stop_requested() && plots.publishers() == 0;
+        // Asked to stop, it still works off what is sent until the last plots; a source that nobody can ask to stop is not
+        // waited for.
+        let abandoned = !turn.is_over() && stop_requested() && (plots.publishers() == 0 || external);
         Ok(if ended || abandoned { Flow::End } else { turn.flow() })
     })?;
     publisher.linger();

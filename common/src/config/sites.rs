@@ -18,6 +18,8 @@ use std::path::Path;
 use toml::{Table, Value};
 
 use super::ChainConfig;
+use crate::latency_log;
+
 use super::load::{ConfigError, apply, read, read_text, require};
 
 /// Tables that belong to a site; all others are common to the chain.
@@ -66,6 +68,16 @@ impl Sites {
     /// Names of the sites.
     pub fn names(&self) -> Vec<&str> {
         self.sites.iter().map(|site| site.site.name.as_str()).collect()
+    }
+
+    /// The logs of latencies, site by site, where a soak has them written.
+    pub fn latency_logs(&self) -> Vec<String> {
+        let of_site = |site: &ChainConfig| match (&site.soak.log, self.only()) {
+            (log, _) if log.is_empty() => None,
+            (log, Some(_)) => Some(log.clone()),
+            (log, None) => Some(latency_log::of_site(log, &site.site.name)),
+        };
+        self.sites.iter().filter_map(of_site).collect()
     }
 
     /// Changes what is common to the chain, in all sites.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ProcessUse, Report, SCHEMA, Soak};
+use super::{ProcessUse, Report, SCHEMA};
 use crate::config::Sites;
 use crate::topology::Stage;
 
@@ -37,9 +37,6 @@ pub struct SitesReport {
     pub sites: BTreeMap<String, Report>,
     /// Resources, by process: `SITE/PROCESS`, or the name alone where a process serves all sites.
     pub processes: BTreeMap<String, ProcessUse>,
-    /// What a soak adds.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub soak: Option<Soak>,
 }
 
 /// What a run did.

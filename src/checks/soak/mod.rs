@@ -88,12 +88,11 @@ pub(crate) fn soak(mut sites: Sites, plan: &Plan) -> anyhow::Result<ExitCode> {
             ok &= only.soak.as_ref().is_some_and(|soak| soak.ok);
         }
         ChainReport::Several(several) => {
-            for (site, name) in sites.all().iter().zip(&names) {
+            for ((site, name), log) in sites.all().iter().zip(&names).zip(sites.latency_logs()) {
                 let Some(of_site) = several.sites.get_mut(*name) else { continue };
                 // The bare hop is measured at the first site.
                 let bare = if *name == names[0] { out.clone() } else { out.join(name) };
-                let latencies = out.join(latency_log::of_site("latency.hlog", name));
-                let logs = Logs { latencies, bare, results: out.join(name) };
+                let logs = Logs { latencies: log.into(), bare, results: out.join(name) };
                 std::fs::create_dir_all(&logs.results).map_err(refuse)?;
                 conclude(site, of_site, outcome.disturbed, &series.of_site(name), &asked, &logs)?;
                 ok &= of_site.soak.as_ref().is_some_and(|soak| soak.ok);
