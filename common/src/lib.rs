@@ -9,6 +9,7 @@
 
 pub mod amplitude;
 pub mod angle;
+mod bad_input;
 pub mod config;
 pub mod dwell;
 mod fnv;

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use sd_notify::NotifyState;
 
+pub use crate::bad_input::BadInput;
 pub use crate::stop::{signals, stop_requested};
 
 use crate::config::{self, ChainConfig, ConfigError, Sites};
@@ -103,11 +104,6 @@ impl StageArgs {
         config::load_sites(self.config.as_deref(), &overrides)
     }
 }
-
-/// An error that the user has to correct before a process can start (exit code 2).
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct BadInput(pub String);
 
 /// Runs the body of a process: logging, signals (the second ends it at once), and one line for an error.
 pub fn run(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {

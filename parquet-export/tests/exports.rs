@@ -82,6 +82,7 @@ fn assert_conforms(value: &Value, schema: &Value, place: &str) {
         Some("array") => value.is_array(),
         Some("integer") => value.is_u64() || value.is_i64(),
         Some("number") => value.is_number(),
+        Some("string") => value.is_string(), // names in health
         _ => false,
     };
     assert!(right, "{place}: {value} is not of {}", schema["type"]);

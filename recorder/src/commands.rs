@@ -134,7 +134,7 @@ pub(crate) fn score(
             Recorded::Truth(header, targets) => scoring.truth(&header, &targets),
             Recorded::Tracks(header, tracks) => scoring.tracks(&header, &tracks),
             Recorded::Plots(header, plots) => scoring.plots(&header, &plots),
-            Recorded::Dwells(..) | Recorded::HealthReports(..) => {}
+            _ => {}
         }
     }
     let (detection, tracking) = scoring.finish();

@@ -108,7 +108,7 @@ impl Fold {
             }
             RecordedRef::Truth(header, targets) => self.scoring.truth(header, targets),
             RecordedRef::HealthReports(_, reports) => reports.iter().for_each(|health| self.processes.take(health)),
-            RecordedRef::Dwells(..) => {}
+            _ => {}
         }
         gap
     }
@@ -226,12 +226,12 @@ pub(crate) fn read_counts(text: &str) -> Option<(Losses, Books, Processes, Progr
     serde_json::from_str(text).ok()
 }
 
-/// Where the schedule of a topic begins; that of truth is not counted before its first message.
+/// Where the schedule of a topic begins; others than these are not counted before their first message.
 fn first_position(config: &ChainConfig, topic: Topic) -> u64 {
     let per_scan = match topic {
         Topic::Dwells => config.radar.dwells_per_scan,
         Topic::Plots | Topic::Tracks => config.sectors_per_scan(),
-        Topic::Truth | Topic::HealthReports => 0,
+        _ => 0,
     };
     u64::from(config.run.first_scan) * u64::from(per_scan)
 }

@@ -123,7 +123,7 @@ fn mark_end(message: &mut Recorded, last: bool) {
         Recorded::Dwells(header, _) => &mut header.flags,
         Recorded::Plots(header, _) => &mut header.flags,
         Recorded::Tracks(header, _) => &mut header.flags,
-        Recorded::Truth(..) | Recorded::HealthReports(..) => return,
+        _ => return,
     };
     *flags = *flags & !END_OF_STREAM | if last { END_OF_STREAM } else { 0 };
 }

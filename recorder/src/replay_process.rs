@@ -79,7 +79,7 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
                 ports.truth.send(header, targets, |header| header.source_out_ns = monotonic_ns())?;
                 continue;
             }
-            Recorded::HealthReports(..) => continue,
+            _ => continue,
         };
         let health = &mut reporter.health;
         health.scan = scan;

@@ -106,7 +106,7 @@ fn place(message: &Recorded) -> Option<(u32, u32)> {
         Recorded::Dwells(header, _) => Some((header.scan, header.dwell)),
         Recorded::Plots(header, _) => Some((header.scan, header.sector)),
         Recorded::Tracks(header, _) => Some((header.scan, header.sector)),
-        Recorded::Truth(..) | Recorded::HealthReports(..) => None,
+        _ => None,
     }
 }
 
