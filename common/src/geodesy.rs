@@ -10,7 +10,7 @@
 //! ```
 //!
 //! B latitude, L longitude, h height above the ellipsoid. Two local frames differ by a shift **and** a rotation.
-//! Source: [K18], with the signs of (F2) corrected.
+//! Source: \[K18\], with the signs of (F2) corrected.
 
 use nalgebra::{Matrix3, Vector3};
 use schemars::JsonSchema;

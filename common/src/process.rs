@@ -185,7 +185,7 @@ pub struct HealthReporter {
 
 impl HealthReporter {
     /// A reporter for the process of `station` in this `session`. `refused` are the real-time settings
-    /// that [`crate::realtime::take`] could not fulfil.
+    /// that [`crate::realtime::apply`] could not fulfil.
     ///
     /// # Errors
     /// [`IpcError`].

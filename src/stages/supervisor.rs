@@ -204,7 +204,9 @@ impl Supervisor {
         if source_ended && !self.endings[ending].told && since.elapsed() > LAST_MESSAGES {
             // The end of the stream has got lost on its way: they end when nobody is upstream.
             self.endings[ending].told = true;
-            of_ending.iter().for_each(|&index| self.stages[index].signal(Signal::TERM));
+            for &index in &of_ending {
+                self.stages[index].signal(Signal::TERM);
+            }
         }
         let drain_s = self.chain().supervision.drain_s;
         let drain = Duration::try_from_secs_f64(drain_s).unwrap_or(Duration::MAX);

@@ -129,7 +129,7 @@ fn range_of(path: &str, about: &About) -> String {
         Err(ConfigError::Range { key, expected, .. }) if key == path => Some(expected),
         _ => None,
     });
-    asked.unwrap_or_else(|| about.kind.to_string())
+    asked.unwrap_or_else(|| about.kind.clone())
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ pub(super) fn expected(key: &str) -> Option<String> {
     let first = parts.next().unwrap_or_default().to_string();
     let path = parts.fold(first, |path, part| path + "[]" + part.split_once(']').map_or("", |(_, rest)| rest));
     let about = keys().remove(&path).filter(|about| !about.kind.is_empty())?;
-    Some(if about.values.is_empty() { about.kind.to_string() } else { about.values.join(", ") })
+    Some(if about.values.is_empty() { about.kind.clone() } else { about.values.join(", ") })
 }
 
 /// Notes the keys of the table `object` at `path`.

@@ -128,15 +128,13 @@ fn parse(line: &str) -> Result<Recorded, String> {
         }
     }
     let parsed: LineIn<'_> = serde_json::from_str(line).map_err(|error| error.to_string())?;
-    match Topic::from_name(&parsed.topic).filter(|topic| !topic.is_bulk()) {
-        Some(topic) => topic.apply(Parse(&parsed)),
-        None => {
-            let readable = Topic::ALL.iter().filter(|topic| !topic.is_bulk()).map(|topic| topic.name());
-            let names: Vec<&str> = readable.collect();
-            let (last, others) = names.split_last().expect("some topics have a text form");
-            Err(format!("topic `{}`: expected {} or {last}", parsed.topic, others.join(", ")))
-        }
+    if let Some(topic) = Topic::from_name(&parsed.topic).filter(|topic| !topic.is_bulk()) {
+        return topic.apply(Parse(&parsed));
     }
+    let readable = Topic::ALL.iter().filter(|topic| !topic.is_bulk()).map(|topic| topic.name());
+    let names: Vec<&str> = readable.collect();
+    let (last, others) = names.split_last().expect("some topics have a text form");
+    Err(format!("topic `{}`: expected {} or {last}", parsed.topic, others.join(", ")))
 }
 
 fn parts<H: DeserializeOwned, E: DeserializeOwned>(line: &LineIn<'_>) -> Result<(H, Vec<E>), String> {
