@@ -3,8 +3,9 @@
 
 mod support;
 
+use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use support::{Bench, output, small_config, text_of};
 
@@ -34,20 +35,20 @@ fn an_observer_in_python_sees_the_tracks() {
     let running = bench.start(&["--scans", "0", "--speed", "8"]);
     bench.wait_for("tracks", |status| support::number(status, "tracker", "confirmed").filter(|&tracks| tracks == 2));
     let mut observer = python("observer.py", &bench);
-    let observer = std::thread::spawn(move || output(observer.args(["small", "--seconds", "3"])));
-    std::thread::sleep(std::time::Duration::from_secs(2)); // so long it looks on
+    observer.args(["small", "--seconds", "60"]).env("PYTHONUNBUFFERED", "1").stdout(Stdio::piped());
+    let mut observer = observer.spawn().expect("python3");
+    let speeds: Vec<f64> = BufReader::new(observer.stdout.take().expect("its output"))
+        .lines()
+        .map(|line| line.expect("a line"))
+        .filter_map(|line| line.strip_suffix(" m/s")?.split_whitespace().next_back()?.parse().ok())
+        .take(20)
+        .collect();
+    observer.kill().expect("the observer");
+    observer.wait().expect("the observer");
     let ended = running.stop();
     assert!(ended.status.success(), "{}", text_of(&ended));
-    let seen = observer.join().expect("the observer");
-    assert!(seen.status.success(), "{}", text_of(&seen));
-    let text = String::from_utf8_lossy(&seen.stdout).into_owned();
-    let speeds: Vec<f64> = text
-        .lines()
-        .filter(|line| line.ends_with("m/s"))
-        .filter_map(|line| line.split_whitespace().rev().nth(1)?.parse().ok())
-        .collect();
     // The targets fly at 18 and 21 m/s.
-    assert!(speeds.len() > 8 && speeds.iter().all(|speed| (10.0..30.0).contains(speed)), "{text}");
+    assert!(speeds.len() == 20 && speeds.iter().all(|speed| (10.0..30.0).contains(speed)), "{speeds:?}");
     assert_eq!(bench.report().lost(), 0);
 }
 

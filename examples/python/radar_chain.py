@@ -53,7 +53,7 @@ class Chain:
         """A subscriber to a topic: an observer, for which no publisher waits."""
         service = self._data(topic)
         port = service.subscriber_builder().name(iox2.PortName.new(self.process)).create()
-        return Subscriber(port, self._event(topic).listener_builder().create())
+        return Subscriber(port, self._event(topic).listener_builder().create(), TOPICS[topic].element)
 
     def publisher(self, topic: str, most: int, consumers: list[str]) -> "Publisher":
         """The publisher of a topic, for messages of at most `most` elements, which waits for the stages `consumers`.
@@ -75,8 +75,8 @@ def _type(of, name: str, variant, alignment: int):
 class Subscriber:
     """Takes messages as they come and counts what is missing."""
 
-    def __init__(self, port, listener):
-        self._port, self._listener = port, listener
+    def __init__(self, port, listener, element):
+        self._port, self._listener, self._element = port, listener, element
         self._last = None
         self.missed = 0
 
@@ -93,8 +93,10 @@ class Subscriber:
             if self._last is not None and header.seq > self._last + 1:
                 self.missed += header.seq - self._last - 1
             self._last = header.seq
-            elements = sample.payload()
-            yield header, [elements[k] for k in range(elements.len())]
+            payload = sample.payload()
+            # The package gives the length of a type that was described to it in bytes.
+            count = payload.len() // ctypes.sizeof(self._element)
+            yield header, (self._element * count).from_address(payload.as_ptr())
 
 
 class Publisher:
