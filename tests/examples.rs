@@ -67,8 +67,7 @@ fn a_plot_source_in_python_drives_a_chain() {
     assert!(ended.status.success(), "{}", text_of(&ended));
     let report = bench.report();
     assert_eq!((report.scans, report.lost(), report.messages["plots"]), (30, 0, 30 * 16), "{}", text_of(&ended));
-    let tracker = text_of(&ended);
-    assert!(report.processes.contains_key("tracker"), "{tracker}");
+    assert_eq!(report.detection.plots, 30 * 2, "one of each target and scan");
 }
 
 /// The same with the example in Rust, which the tests have built.
@@ -87,4 +86,5 @@ fn the_plot_source_in_rust_drives_a_chain() {
     assert!(ended.status.success(), "{}", text_of(&ended));
     let report = bench.report();
     assert_eq!((report.scans, report.lost(), report.messages["plots"]), (30, 0, 30 * 16), "{}", text_of(&ended));
+    assert_eq!(report.detection.plots, 30 * 2, "one of each target and scan");
 }
