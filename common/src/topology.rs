@@ -142,15 +142,21 @@ impl Required {
 pub fn stages(chain: &ChainConfig) -> Vec<&'static Stage> {
     let source = chain.run.source;
     let mut stages: Vec<&Stage> = STAGES.iter().filter(|stage| stage.role == Role::Source(source)).collect();
-    let mut available = driving(chain);
-    for stage in STAGES.iter().filter(|stage| stage.role == Role::Processor) {
-        if stage.inputs.first().is_some_and(|input| input.topic == available) {
-            stages.push(stage);
-            available = stage.outputs[0];
-        }
-    }
+    stages.extend(reached(&STAGES, driving(chain)));
     stages.extend(STAGES.iter().filter(|stage| stage.role == Role::Recorder));
     stages
+}
+
+/// The processors that a topic sets to work, itself or by the results of others of them.
+fn reached(table: &'static [Stage], from: Topic) -> Vec<&'static Stage> {
+    let (mut reached, mut available) = (Vec::new(), vec![from]);
+    for stage in table.iter().filter(|stage| stage.role == Role::Processor) {
+        if stage.inputs.first().is_some_and(|input| available.contains(&input.topic)) {
+            reached.push(stage);
+            available.extend(stage.outputs);
+        }
+    }
+    reached
 }
 
 /// Whether a stage of this name runs at a site with this configuration.
@@ -208,6 +214,17 @@ mod tests {
         assert_eq!(replay(&[Topic::Plots, Topic::Truth]), ["replay", "tracker", "recorder"]);
         assert_eq!(replay(&[Topic::Dwells, Topic::Plots]), ["replay", "tracker", "recorder"]);
         assert_eq!(replay(&[Topic::Truth, Topic::Tracks]), ["replay", "recorder"]);
+    }
+
+    #[test]
+    fn a_topic_may_have_several_consumers_and_a_consumer_no_results() {
+        static TABLE: [Stage; 3] = [
+            Stage { name: "a", role: Role::Processor, inputs: &[always(Topic::Plots)], outputs: &[Topic::Tracks] },
+            Stage { name: "b", role: Role::Processor, inputs: &[always(Topic::Plots)], outputs: &[] },
+            Stage { name: "c", role: Role::Processor, inputs: &[always(Topic::Tracks)], outputs: &[] },
+        ];
+        let names = |from| reached(&TABLE, from).iter().map(|stage| stage.name).collect::<String>();
+        assert_eq!([Topic::Plots, Topic::Tracks, Topic::Dwells].map(names), ["abc", "c", ""]);
     }
 
     #[test]
