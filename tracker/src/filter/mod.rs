@@ -27,6 +27,7 @@ mod expect;
 mod functions;
 pub mod gaussian;
 mod group;
+mod innovation;
 mod lanes;
 mod layout;
 mod machine;
