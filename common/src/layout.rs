@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use serde::ser::{self, Impossible, Serialize, SerializeSeq, SerializeStruct, SerializeTuple};
+use serde::ser::{self, Impossible, Serialize, SerializeStruct, SerializeTuple};
 
 use crate::label::Label;
 use crate::messages::{ForTopic, Message};
@@ -137,7 +137,7 @@ macro_rules! numbers {
 impl<'a> ser::Serializer for Fields<'a> {
     type Ok = Field;
     type Error = Unsupported;
-    type SerializeSeq = Items<'a>;
+    type SerializeSeq = Impossible<Field, Unsupported>;
     type SerializeTuple = Items<'a>;
     type SerializeTupleStruct = Impossible<Field, Unsupported>;
     type SerializeTupleVariant = Impossible<Field, Unsupported>;
@@ -171,8 +171,8 @@ impl<'a> ser::Serializer for Fields<'a> {
         value.serialize(self)
     }
 
-    fn serialize_seq(self, _: Option<usize>) -> Result<Items<'a>, Unsupported> {
-        Ok(Items { structures: self.0, item: None, count: 0 })
+    fn serialize_seq(self, _: Option<usize>) -> Result<Self::SerializeSeq, Unsupported> {
+        Err(Unsupported("a sequence of any length".into()))
     }
 
     fn serialize_tuple(self, _: usize) -> Result<Items<'a>, Unsupported> {
@@ -260,19 +260,6 @@ impl Items<'_> {
     fn finish(self) -> Result<Field, Unsupported> {
         let item = self.item.ok_or(Unsupported("an array without elements".into()))?;
         Ok(Field { name: format!("{} * {}", item.name, self.count), size: item.size * self.count })
-    }
-}
-
-impl SerializeSeq for Items<'_> {
-    type Ok = Field;
-    type Error = Unsupported;
-
-    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Unsupported> {
-        self.add(value)
-    }
-
-    fn end(self) -> Result<Field, Unsupported> {
-        self.finish()
     }
 }
 
