@@ -60,6 +60,21 @@ pub fn ca_cfar_factor(reference_cells: u32, pfa: f64) -> f64 {
     n * (-pfa.ln() / n).exp_m1()
 }
 
+/// Logarithm of how far outliers reach above the threshold: 60 dB.
+const LN_OUTLIERS: f64 = 13.8;
+
+/// ζ: share of a target's plots that may be of any strength.
+const GLINTS: f64 = 0.05;
+
+/// How strong false plots are that are not all noise's.
+#[derive(Debug, Default, Clone, Copy, PartialEq)]
+pub struct FalsePower {
+    /// m: mean of q − t₀ above the threshold; 0 for that of noise.
+    pub mean_excess: f64,
+    /// η: share of false plots that may be of any strength, every decibel alike up to 60 dB above the threshold.
+    pub outliers: f64,
+}
+
 /// A detector: its threshold and the statistics of q in noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detector {
@@ -94,10 +109,17 @@ impl Detector {
         if self.reference_cells < 2 { 1.0 } else { (n + self.threshold) / (n - 1.0) }
     }
 
-    /// Share of false plots that exceed t ≥ t₀, those of clutter whose q − t₀ has the mean `mean_excess` (0: noise alone).
-    pub fn false_share_above(&self, t: f64, mean_excess: f64) -> f64 {
+    /// Power that noise exceeds with a probability.
+    pub fn power_exceeded_by(&self, probability: f64) -> f64 {
+        ca_cfar_factor(self.reference_cells, probability)
+    }
+
+    /// Share of false plots that exceed t ≥ t₀.
+    pub fn false_share_above(&self, t: f64, among: FalsePower) -> f64 {
         let noise = self.noise_survival(t) / self.pfa;
-        if mean_excess > 0.0 { noise.max((-(t - self.threshold) / mean_excess).exp()) } else { noise }
+        let clutter = (-(t - self.threshold) / among.mean_excess).exp();
+        let outliers = among.outliers * (1.0 - (t / self.threshold).ln() / LN_OUTLIERS).max(0.0);
+        noise.max(outliers).max(if among.mean_excess > 0.0 { clutter } else { 0.0 })
     }
 
     /// The same detector before a target of mean signal-to-noise ratio `snr` (power ratio ≥ 0).
@@ -114,6 +136,11 @@ impl Detector {
         let step_db = 2.0 * spread_db / SNR_POINTS as f64;
         let first_db = snr_db - spread_db + 0.5 * step_db;
         self.target_of(swerling, std::array::from_fn(|k| from_db(first_db + step_db * k as f64)), SNR_POINTS)
+    }
+
+    /// The same before a target of which nothing is known but that most are about `snr_db` strong and some 10 and 20 dB more.
+    pub fn new_target(&self, swerling: Swerling, snr_db: f64) -> TargetStatistics {
+        self.target_of(swerling, [0.0, 0.0, 0.0, 10.0, 20.0].map(|more_db| from_db(snr_db + more_db)), SNR_POINTS)
     }
 
     fn target_of(&self, swerling: Swerling, snr: [f64; SNR_POINTS], points: usize) -> TargetStatistics {
@@ -249,23 +276,27 @@ impl TargetStatistics {
         (self.ln_ratio(q) + self.ln_scale).exp().min(MAX_RATIO)
     }
 
-    /// λ(q) against clutter whose power above the threshold has the mean excess `mean_excess`
-    /// over it, instead of noise alone:
+    /// λ(q) against false plots that are not all noise's:
     ///
     /// ```text
-    /// [f_S(q)/D] / max( f_N(q)/F,  e^(−(q − t₀)/m)/m )
+    /// min( [f_S(q)/D + ζ h(q)] / max( f_N(q)/F,  e^(−(q − t₀)/m)/m,  η h(q) ),  1/η ),   h(q) = 1/(q ln 10⁶)
     /// ```
     ///
-    /// The larger of the two densities is the cautious one: spiky clutter then proves nothing. `mean_excess` 0 stands
-    /// for noise.
-    pub fn likelihood_ratio_in_clutter(&self, q: f64, mean_excess: f64) -> f64 {
+    /// The largest of the densities is the cautious one: spiky clutter and other radars' pulses then prove nothing, nor do pulses that are all as
+    /// strong as the target. A target may glint: ζ of its plots are of any strength too.
+    pub fn likelihood_ratio_among(&self, q: f64, among: FalsePower) -> f64 {
+        let FalsePower { mean_excess, outliers } = among;
         let ln_ratio = self.ln_ratio(q) + self.ln_scale;
-        if mean_excess <= 0.0 {
+        if mean_excess <= 0.0 && outliers <= 0.0 {
             return ln_ratio.exp().min(MAX_RATIO);
         }
         let ln_noise = self.detector.gamma_1(q, 1.0).ln_density - self.detector.pfa.ln();
         let ln_clutter = -(q - self.detector.threshold) / mean_excess - mean_excess.ln();
-        (ln_ratio + (ln_noise - ln_clutter).min(0.0)).exp().min(MAX_RATIO)
+        let ln_clutter = if mean_excess > 0.0 { ln_clutter } else { f64::NEG_INFINITY };
+        let any_strength = 1.0 / (q * LN_OUTLIERS);
+        let ln_false = ln_noise.max(ln_clutter).max((outliers * any_strength).ln());
+        let glint = if outliers > 0.0 { GLINTS * any_strength * (-ln_false).exp() } else { 0.0 };
+        ((ln_ratio + ln_noise - ln_false).exp() + glint).min(1.0 / outliers).min(MAX_RATIO)
     }
 
     /// Swerling 0: D = Σ_k Poisson(k; S) P(I ≤ k), where I counts the noise events before the
@@ -433,8 +464,21 @@ mod tests {
         #[test]
         fn clutter_never_speaks_for_a_target(q in 14.0..300.0_f64, mean_excess in 1.0..30.0_f64) {
             let target = Detector::new(1e-6, 32).target(Swerling::One, 50.0);
-            let (noise, clutter) = (target.likelihood_ratio(q), target.likelihood_ratio_in_clutter(q, mean_excess));
+            let noise = target.likelihood_ratio(q);
+            let clutter = target.likelihood_ratio_among(q, FalsePower { mean_excess, outliers: 0.0 });
             prop_assert!(clutter <= noise && clutter >= 0.0);
+        }
+
+        /// However strong a plot is, it proves no more than that it is one of few outliers, and a glint no less than its share.
+        #[test]
+        fn among_outliers_power_proves_little(ln_q in 2.7..14.0_f64, snr_db in 5.0..40.0_f64, outliers in 0.01..1.0_f64) {
+            let target = Detector::new(1e-6, 0).target(Swerling::One, from_db(snr_db));
+            let q = ln_q.exp();
+            let ratio = target.likelihood_ratio_among(q, FalsePower { mean_excess: 0.0, outliers });
+            prop_assert!(ratio <= 1.0 / outliers, "{ratio}");
+            if outliers / (q * LN_OUTLIERS) > (13.8 - q).exp() {
+                prop_assert!(ratio >= GLINTS / outliers * (1.0 - 1e-9), "{ratio}");
+            }
         }
 
         #[test]

@@ -152,6 +152,7 @@ pub fn plot(polar: [f64; COORDINATES], power: f64) -> Measurement {
         power,
         measured: [true; COORDINATES],
         has_power: true,
+        crowd: 0.0,
     }
 }
 

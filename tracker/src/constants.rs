@@ -11,9 +11,9 @@ pub(crate) const APART: f64 = 0.5;
 
 /// Scans in which two tracks share their best plot before one of them goes: if one is tentative, and if both are confirmed.
 pub(crate) const SHARED_SCANS: [u32; 2] = [2, 6];
-/// The same of two that have been seen apart and may have plots in common: two targets that the radar does not resolve for as long are one
-/// to it. Drones that cross in one cell share their plots for some fifteen scans, and their velocities come near each other.
-pub(crate) const SHARED_SCANS_APART: u32 = 30;
+/// The same of two that have been seen apart and may have plots in common: as many as two targets take to pass each other within a resolution cell
+/// at this share of the greatest speed. Two targets that the radar does not resolve for longer are one to it.
+pub(crate) const PASSING_SPEED: f64 = 0.035;
 /// Squared distance of two tracks' positions and velocities below which they may be one: of χ² with 6 degrees of freedom, 0.999.
 pub(crate) const SAME: f64 = 22.458;
 
@@ -23,6 +23,6 @@ pub(crate) const TIMING_S: f64 = 0.02;
 pub(crate) const LATE_CELLS: f64 = 2.0;
 
 /// Existence below which two plots start no track.
-pub(crate) const LEAST_EXISTENCE: f64 = 1e-5;
+pub(crate) const LEAST_EXISTENCE: f64 = 1e-7;
 /// Shortest and longest time between two plots of successive turns, turns.
 pub(crate) const STEP_TURNS: [f64; 2] = [0.25, 1.5];

@@ -5,9 +5,8 @@ use std::f64::consts::TAU;
 use common::amplitude::{Detector, TargetStatistics};
 use common::config::TrackerConfig;
 use common::plots::PlotsHeader;
-use common::units::from_db;
 
-use crate::association::clutter_map::ClutterMap;
+use crate::association::clutter_map::{ClutterMap, OwnPlots};
 use crate::association::joint::Claimant;
 use crate::association::{FalsePlots, Surroundings};
 use crate::filter::{Filter, Machine, family};
@@ -50,7 +49,7 @@ impl Environment {
             radar,
             detector,
             threshold_is_known: header.pfa > 0.0,
-            start_target: detector.target(config.swerling, from_db(config.snr_db)),
+            start_target: detector.new_target(config.swerling, config.snr_db),
             limits: PairLimits {
                 speed_mps: config.start_speed_mps,
                 acceleration_mps2: filter.greatest_acceleration_mps2(),
@@ -83,9 +82,9 @@ impl Environment {
         config: &TrackerConfig,
     ) -> f64 {
         let evidence = |plot: &Measurement| {
-            let here = self.clutter.without(plot, turn, previous);
+            let here = self.clutter.in_scan(turn, Some(self.clutter.own(previous, 1.0)))(plot);
             let ratio = if plot.has_power && self.threshold_is_known {
-                self.start_target.likelihood_ratio_in_clutter(plot.power, here.mean_excess)
+                self.start_target.likelihood_ratio_among(plot.power, here.power)
             } else {
                 1.0
             };
@@ -114,6 +113,7 @@ impl Environment {
         &'a self,
         config: &TrackerConfig,
         amplitude: &'a Amplitude,
+        own: OwnPlots,
         shares: &'a [f64],
         turn: u32,
     ) -> Surroundings<'a, impl Fn(&Measurement) -> FalsePlots> {
@@ -122,7 +122,7 @@ impl Environment {
             detection_probability: self.detection_probability(config, amplitude),
             target: self.statistics(amplitude),
             shares,
-            clutter: self.clutter.in_scan(turn),
+            clutter: self.clutter.in_scan(turn, Some(own)),
         }
     }
 

@@ -133,7 +133,7 @@ impl Tracker {
                 processed.rejected.count(reason);
             }
         }
-        self.plots.sort();
+        self.plots.sort(&environment.radar);
         let covered_rad = self.sweep.covered_to_rad();
         self.update_due(covered_rad, header.has(END_OF_STREAM), &environment, tracks);
         self.start_tracks(covered_rad, &mut environment, tracks);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use common::amplitude::Detector;
+use common::amplitude::{Detector, FalsePower};
 use common::config::{Association, GateRule, Swerling, TrackerConfig};
 use common::geometry::Polar;
 use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot};
@@ -98,7 +98,10 @@ fn long_run(filter: Box<dyn Filter>, config: &TrackerConfig, full: bool, scans: 
             detection_probability: target.detection_probability,
             target: Some(&target),
             shares: &[],
-            clutter: |_: &Measurement| FalsePlots { density: 1e-9, mean_excess: 1.0 },
+            clutter: |_: &Measurement| FalsePlots {
+                density: 1e-9,
+                power: FalsePower { mean_excess: 1.0, ..FalsePower::default() },
+            },
         };
         let is_right =
             |track: &OneTrack| track.state().is_sound() && is_positive_definite(track.filter(), track.state(), axes);
@@ -155,7 +158,7 @@ proptest! {
                     detection_probability: target.detection_probability,
                     target: Some(&target),
                     shares: &[],
-                    clutter: |_: &Measurement| FalsePlots { density, mean_excess: 2.0 },
+                    clutter: |_: &Measurement| FalsePlots { density, power: FalsePower { mean_excess: 2.0, ..FalsePower::default() } },
                 };
                 track.predict(step_s);
                 let outcome = track.update(Member { time_ns: 0, plots: &plots, surroundings }, &radar, &rules);
@@ -223,7 +226,7 @@ proptest! {
                 detection_probability: target.detection_probability,
                 target: Some(&target),
                 shares: &shares,
-                clutter: |_: &Measurement| FalsePlots { density, mean_excess: 2.0 },
+                clutter: |_: &Measurement| FalsePlots { density, power: FalsePower { mean_excess: 2.0, ..FalsePower::default() } },
             };
             hypotheses.predict(means, step_s, &mut room);
             prop_assume!(hypotheses.states(&layout).all(|state| state.is_sound()));

@@ -6,7 +6,7 @@
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
-use common::amplitude::{Detector, TargetStatistics};
+use common::amplitude::{Detector, FalsePower, TargetStatistics};
 use common::config::{Association, Clutter, GateRule, Swerling};
 use common::geometry::Polar;
 use common::tracks;
@@ -232,7 +232,7 @@ impl Check {
             detection_probability: target.detection_probability,
             target: Some(&target),
             shares: &[],
-            clutter: |_: &Measurement| FalsePlots { density: density.get(), mean_excess: 0.0 },
+            clutter: |_: &Measurement| FalsePlots { density: density.get(), power: FalsePower::default() },
         };
         let prediction = track.words().to_vec();
         let member = || Member { time_ns: 0, plots: &plots, surroundings };
@@ -355,6 +355,7 @@ fn measurement(plot: &Value, cfg: &Value) -> Measurement {
         power: plot.get(4).copied().unwrap_or(0.0),
         measured: [true; COORDINATES],
         has_power: true,
+        crowd: 0.0,
     }
 }
 

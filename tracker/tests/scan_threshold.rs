@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use common::amplitude::Detector;
+use common::amplitude::{Detector, FalsePower};
 use common::config::{Association, Clutter, Swerling, TrackerConfig};
 use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot};
 use common::random::{Purpose, generator};
@@ -56,7 +56,7 @@ fn scan(rules: &Rules, pfa: f64, plots: &[Measurement]) -> (Outcome, f64) {
         detection_probability: target.detection_probability,
         target: Some(&target),
         shares: &[],
-        clutter: |plot: &Measurement| FalsePlots { density: per_cell(plot), mean_excess: 0.0 },
+        clutter: |plot: &Measurement| FalsePlots { density: per_cell(plot), power: FalsePower::default() },
     };
     let mut track = prediction();
     let outcome = track.update(Member { time_ns: 0, plots, surroundings }, &radar, rules);

@@ -1,5 +1,6 @@
 //! The association alone: two filters that have begun on their drones, with and without joint events, on the same plots.
 
+use common::amplitude::FalsePower;
 use common::config::TrackerConfig;
 use common::random::{Purpose, generator};
 use evaluation::following::pair;
@@ -97,7 +98,7 @@ impl Filters {
             let cells: f64 = self.radar.cell.iter().product();
             let clutter = |plot: &Measurement| FalsePlots {
                 density: CONDITIONS.pfa / cells / (plot.polar[0] * plot.polar[0] * plot.cos_elevation.max(1e-3)),
-                mean_excess: 0.0,
+                power: FalsePower::default(),
             };
             let around = Surroundings {
                 radar: &self.radar,

@@ -11,7 +11,7 @@ mod record;
 
 use std::time::Instant;
 
-use common::amplitude::Detector;
+use common::amplitude::{Detector, FalsePower};
 use common::config::{GateRule, TrackerConfig};
 use common::random::{Purpose, generator};
 use evaluation::track_loss::Watch;
@@ -217,7 +217,7 @@ impl Follower {
             shares: &[],
             clutter: |plot: &Measurement| FalsePlots {
                 density: density / (plot.polar[0] * plot.polar[0] * plot.cos_elevation.max(1e-3)),
-                mean_excess: 0.0,
+                power: FalsePower::default(),
             },
         };
         self.prospects.clear();

@@ -13,7 +13,7 @@
 //!
 //! Nearest and strongest neighbour leave one candidate, which is the target's for certain: b = 0.
 
-use common::amplitude::{TargetStatistics, ca_cfar_factor};
+use common::amplitude::{FalsePower, TargetStatistics, ca_cfar_factor};
 use common::config::{Association, Clutter, GateRule, TrackerConfig};
 use common::tracks::{GATE_MOST_PROBABLE, GATE_NONE, GATE_UNION, GATE_WIDEST, GATE_WIDEST_FALLBACK, MODELS};
 
@@ -21,6 +21,9 @@ use crate::association::gate::{self, Gate};
 use crate::filter::most_probable;
 use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
+
+/// Plots in a gate that are no crowd.
+const FEW: usize = 3;
 
 /// How plots are chosen and weighted; the part of the configuration that the filter needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,7 +155,7 @@ impl<F> Surroundings<'_, F> {
         if selection.threshold <= detector.threshold {
             return 1.0;
         }
-        let false_plots = || detector.false_share_above(selection.threshold, here.mean_excess);
+        let false_plots = || detector.false_share_above(selection.threshold, here.power);
         let target = selection.detection_probability / self.detection_probability;
         match (with_statistics, parametric) {
             (true, true) => 1.0,
@@ -172,9 +175,10 @@ impl<F> Surroundings<'_, F> {
 }
 
 impl<F: Fn(&Measurement) -> FalsePlots> Surroundings<'_, F> {
-    /// ℓ(q)/ρ₀ of a plot, m³·m/s: what its density under the target is to be multiplied by to weigh it against noise (T20.4).
-    pub fn ratio_to_noise(&self, plot: &Measurement, rules: &Rules) -> f64 {
-        let here = (self.clutter)(plot);
+    /// ℓ(q)/ρ₀ of a plot, m³·m/s: what its density under the target is to be multiplied by to weigh it against noise (T20.4); in a gate of
+    /// so many plots and such a volume.
+    pub fn ratio_to_noise(&self, plot: &Measurement, gate: (usize, f64), rules: &Rules) -> f64 {
+        let here = (self.clutter)(plot).crowded(gate.0, gate.1);
         self.ratio(plot, here, rules) * self.detection_probability / here.density
     }
 
@@ -182,7 +186,7 @@ impl<F: Fn(&Measurement) -> FalsePlots> Surroundings<'_, F> {
     fn ratio(&self, plot: &Measurement, here: FalsePlots, rules: &Rules) -> f64 {
         match self.target {
             Some(target) if rules.association.uses_power() && plot.has_power => {
-                target.likelihood_ratio_in_clutter(plot.power, here.mean_excess)
+                target.likelihood_ratio_among(plot.power, here.power)
             }
             _ => 1.0,
         }
@@ -194,8 +198,22 @@ impl<F: Fn(&Measurement) -> FalsePlots> Surroundings<'_, F> {
 pub struct FalsePlots {
     /// ρ_c in the measure of y, 1/(m³·m/s).
     pub density: f64,
-    /// Mean of q − t₀ above the threshold; 0 for that of noise.
-    pub mean_excess: f64,
+    /// How strong they are.
+    pub power: FalsePower,
+}
+
+impl FalsePlots {
+    /// Where a gate holds many more plots than were to be expected, they are taken for false ones all over it: strobes, rain and interference
+    /// that the map has not met here before. A few may be other targets' or a large target's.
+    ///
+    /// ```text
+    /// ρ = max(ρ_c, (M − 3)/V)  where M − 3 > ρ_c V + 3 √(ρ_c V)
+    /// ```
+    #[must_use]
+    pub fn crowded(self, plots: usize, volume: f64) -> Self {
+        let (crowd, expected) = (plots.saturating_sub(FEW) as f64, self.density * volume);
+        if crowd > expected + 3.0 * expected.sqrt() { Self { density: crowd / volume, ..self } } else { self }
+    }
 }
 
 /// What is asked for candidates: the components of a prediction.
@@ -314,11 +332,15 @@ pub fn weigh<F: Fn(&Measurement) -> FalsePlots>(
     candidates: &mut Vec<Candidate>,
 ) {
     let parametric = rules.clutter == Clutter::Parametric;
-    let of_gate = candidates.len() as f64 / selection.volume;
+    let (plots_in_gate, volume) = (candidates.len(), selection.volume);
+    let of_gate = plots_in_gate as f64 / volume;
     for candidate in candidates.iter_mut() {
         let plot = &plots[candidate.plot];
         let with_statistics = rules.association.uses_power() && plot.has_power;
-        let here = (surroundings.clutter)(plot);
+        let mut here = (surroundings.clutter)(plot);
+        if selection.threshold <= 0.0 {
+            here = here.crowded(plots_in_gate, volume);
+        }
         let above = if plot.has_power { surroundings.above(selection, here, with_statistics, parametric) } else { 1.0 };
         let density = if parametric { here.density } else { of_gate };
         let ratio = surroundings.ratio(plot, here, rules) * above;

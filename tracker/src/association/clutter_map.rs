@@ -1,74 +1,177 @@
 //! Expected false plots per resolution cell, and their power, learnt where they fall.
 //!
 //! ```text
-//! F(p) = max(design, floor) + n̄(bin of p) / cells of the bin
+//! F(p) = max(design, floor) + largest of the maps' estimates
 //! ρ_c(p) = F(p) / (δ_r δ_β δ_ε δ_ṙ r² cos ε)                    per unit of y's measure (T12)
-//! n̄ = Σ κ^age (1 − claimed) / (n₀ + Σ κ^age),   κ = 1 − 1/N     over the plots in the bin and over scans
+//! n = Σ κ^age (1 − claimed) over the plots in a bin,   N' = Σ κ^age over scans,   κ = 1 − 1/N
 //! ```
 //!
-//! Three maps over range, azimuth, elevation and |ṙ|; the largest answer counts. Rings all around the radar learn ground
-//! clutter in one scan, areas learn where it lies, and a fine map, slow to believe (n₀), learns fixed objects. Bins of elevation and |ṙ|
-//! widen threefold from the ground and from zero, where clutter is. Clutter has stronger plots than noise: the mean
-//! excess of their power over the threshold is learnt along. A bin decays when it is looked at,
-//! so that a scan costs only its plots.
+//! | map | bins | estimate |
+//! |---|---|---|
+//! | whole | from the antenna to the farthest plot | n / ((0.2 + N') cells) |
+//! | zones | octaves of range | (n + 1) / (N' cells + 1/F(whole)) |
+//! | rings | one cell of range, all around | (n + 1) / (N' cells + 1/F(zone)) |
+//! | areas | four cells of range, 15° | n / ((2 + N') cells) |
+//! | places | two by two cells | n / ((40 + N') cells): fixed objects, slow to believe |
+//! | rays | two cells of azimuth, an octave of range | (n − 3) / ((1 + N') cells): strobes and interference; few plots may be a target's |
+//!
+//! A ring in which little has been seen is taken to be like its zone, and a zone like the whole, so that sparse clutter is known after one scan. Bins of elevation and |ṙ|
+//! widen threefold from the ground and from zero, where clutter is. Every bin knows its cells, whatever the radar: only bins that
+//! have met a plot are kept, and those that have forgotten it make room.
+//!
+//! False plots are stronger than noise for two reasons. Clutter has a larger mean excess over the threshold, which is learnt along. And some are of
+//! any strength: other radars' pulses, strobes, spikes. Those that noise would hardly give are counted, and their share says how little a
+//! strong plot proves there ([`FalsePower::outliers`]).
 
+use std::collections::HashMap;
 use std::f64::consts::TAU;
+use std::hash::{BuildHasherDefault, Hasher};
 
-use common::amplitude::Detector;
+use common::amplitude::{Detector, FalsePower};
 
 use crate::association::FalsePlots;
 use crate::plots::measurement::{COORDINATES, Measurement};
 use crate::plots::radar::Radar;
 
-/// Outer edges of the classes of elevation and of |ṙ|, in cells; the last class is open.
-const EDGES: [f64; 4] = [1.0, 3.0, 9.0, 27.0];
-/// Bins of a map at most (of 12 bytes).
-const MAX_BINS: usize = 1 << 19;
-/// Bins of range at most; the last one is open.
-const MAX_RANGE_BINS: usize = 512;
-/// Bins of azimuth at most.
-const MAX_AZIMUTH_BINS: f64 = 512.0;
+/// Bins kept at most before those that have forgotten their plots make room.
+const ROOM: usize = 1 << 16;
+/// A bin whose plots have faded to this is forgotten.
+const FADED: f32 = 0.02;
 /// Plots of noise that every bin's mean power starts with.
 const PRIOR_PLOTS: f32 = 3.0;
 /// A plot stronger than this above the mean of noise counts as this strong: it may be a target's.
 const STRONGEST: f64 = 40.0;
+/// Probability that noise in a cell is as strong as an outlier, and that share of its plots at most.
+const OUTLIER: [f64; 2] = [1e-9, 1e-3];
+/// Outliers per cell and scan of a radar of which nothing has been learnt.
+const OUTLIERS_EXPECTED: f64 = 1e-9;
+
+/// Outliers in a bin that say nothing.
+const OUTLIERS_IGNORED: f64 = 4.0;
+
+/// One of the maps.
+#[derive(Debug, Clone, Copy)]
+struct Map {
+    /// Width of a bin of range, cells; 0 for octaves, infinite for the whole range.
+    range_cells: f64,
+    /// Width of a bin of azimuth, cells; 0 for all around.
+    azimuth_cells: f64,
+    /// Scans without a plot that every bin starts with.
+    prior_scans: f64,
+    /// Plots that say nothing.
+    ignored: f64,
+}
+
+/// The whole range, its octaves, its rings: of the first maps each is what the next is taken to be like.
+const NESTED: usize = 3;
+const MAPS: usize = 6;
+/// The first octave of range, cells.
+const OCTAVE_CELLS: f64 = 16.0;
 
 /// Expected false plots.
 #[derive(Debug)]
 pub struct ClutterMap {
     radar: Radar,
     detector: Detector,
+    /// Power of an outlier, see [`OUTLIER`].
+    outlier_power: f64,
     base: f64,
     memory_scans: f64,
     /// δ_r δ_β δ_ε δ_ṙ, of what is measured.
     cells_product: f64,
     first_scan: Option<u32>,
-    layers: [Layer; 3],
+    /// Range of the farthest plot so far, cells.
+    farthest_cells: f64,
+    maps: [Map; MAPS],
+    bins: HashMap<u64, Bin, BuildHasherDefault<Mix>>,
+}
+
+/// Plots of a track that the map took for false ones before the track was believed: they must not speak against it.
+///
+/// They are looked for in the bins of its last plot: all of them, as if none had been in another.
+#[derive(Debug, Default, Clone, Copy, PartialEq)]
+pub struct OwnPlots {
+    /// (r, β, ε, ṙ) of the last one.
+    place: [f32; COORDINATES],
+    plots: f32,
+    outliers: f32,
+}
+
+impl OwnPlots {
+    fn add(&mut self, share: f64, is_outlier: bool) {
+        self.plots += share as f32;
+        self.outliers += if is_outlier { share as f32 } else { 0.0 };
+    }
+}
+
+/// The bins of a track's last plot, and its plots and outliers there.
+type Own = ([u64; MAPS], [f32; 2]);
+
+/// What the bins at a place hold.
+#[derive(Debug, Clone, Copy, Default)]
+struct Found {
+    /// Estimates per cell: of all plots, of outliers.
+    per_cell: [f64; 2],
+    mean_excess: f64,
 }
 
 impl ClutterMap {
     /// `base`: false plots per cell and scan that are always expected. `memory_scans` is N; 0 learns nothing.
     pub fn new(radar: Radar, detector: Detector, base: f64, memory_scans: u32) -> Self {
-        let layer = |range_cells, azimuth_rad, prior_scans| {
-            Layer::new(&radar, range_cells, azimuth_rad, prior_scans, memory_scans > 0)
-        };
-        let layers = [layer(1.0, TAU, 1.0), layer(4.0, TAU / 24.0, 2.0), layer(2.0, 2.0 * radar.cell[1], 40.0)];
+        let area = TAU / 24.0 / radar.cell[1];
+        let map =
+            |range_cells, azimuth_cells, prior_scans, ignored| Map { range_cells, azimuth_cells, prior_scans, ignored };
+        let maps = [
+            map(f64::INFINITY, 0.0, 0.2, 0.0),
+            map(0.0, 0.0, 0.0, 0.0),
+            map(1.0, 0.0, 0.0, 0.0),
+            map(4.0, area, 2.0, 2.0),
+            map(2.0, 2.0, 40.0, 2.0),
+            map(0.0, 2.0, 1.0, 3.0),
+        ];
         let cells_product = radar.volume(|i| radar.cell[i], 1.0, 1.0);
-        Self { radar, detector, base, memory_scans: f64::from(memory_scans), cells_product, first_scan: None, layers }
+        let mut bins = HashMap::default();
+        bins.reserve(if memory_scans > 0 { ROOM } else { 0 });
+        Self {
+            radar,
+            detector,
+            outlier_power: detector.power_exceeded_by(OUTLIER[0].min(OUTLIER[1] * detector.pfa)),
+            base,
+            memory_scans: f64::from(memory_scans),
+            cells_product,
+            first_scan: None,
+            farthest_cells: 1.0,
+            maps,
+            bins,
+        }
     }
 
     /// Counts a plot of scan `scan` of which `share` is not claimed by a track.
     pub fn observe(&mut self, measurement: &Measurement, share: f64, scan: u32) {
         self.first_scan.get_or_insert(scan);
-        let excess = self.excess(measurement);
-        for layer in self.layers.iter_mut().filter(|layer| !layer.bins.is_empty()) {
-            let index = layer.bin(&self.radar, &measurement.polar).0;
-            if let Some(bin) = layer.bins.get_mut(index) {
-                *bin = bin.at(scan, self.memory_scans);
-                bin.plots += share as f32;
-                bin.excess += (share * excess) as f32;
+        if self.memory_scans <= 0.0 {
+            return;
+        }
+        self.farthest_cells = self.farthest_cells.max(measurement.polar[0] / self.radar.cell[0]);
+        if self.bins.len() + MAPS > self.bins.capacity() {
+            self.forget(scan);
+        }
+        let sums = [share, share * self.excess(measurement), if self.is_outlier(measurement) { share } else { 0.0 }];
+        for map in 0..MAPS {
+            let key = self.key(map, &measurement.polar);
+            let bin = self.bins.entry(key).or_insert(Bin { sums: [0.0; 3], scan });
+            *bin = bin.at(scan, self.memory_scans);
+            for (sum, term) in bin.sums.iter_mut().zip(sums) {
+                *sum += term as f32;
             }
         }
+    }
+
+    /// Drops the bins that have forgotten their plots.
+    fn forget(&mut self, scan: u32) {
+        let memory_scans = self.memory_scans;
+        self.bins.retain(|_, bin| bin.at(scan, memory_scans).sums[0] > FADED);
+        self.bins.reserve(self.bins.len() + MAPS);
     }
 
     fn excess(&self, measurement: &Measurement) -> f64 {
@@ -76,40 +179,104 @@ impl ClutterMap {
         (measurement.power - self.detector.threshold).clamp(0.0, limit)
     }
 
-    /// What to expect at each plot of a scan.
-    pub fn in_scan(&self, scan: u32) -> impl Fn(&Measurement) -> FalsePlots {
+    fn is_outlier(&self, measurement: &Measurement) -> bool {
+        measurement.has_power && measurement.power > self.outlier_power
+    }
+
+    /// What to expect at each plot of a scan without a track's `own` plots.
+    pub fn in_scan(&self, scan: u32, own: Option<OwnPlots>) -> impl Fn(&Measurement) -> FalsePlots {
         let scans = self.scans_learnt(scan);
-        move |plot| self.expect(plot, scan, scans, None)
+        let own = own.map(|own| {
+            let place = own.place.map(f64::from);
+            (std::array::from_fn(|map| self.key(map, &place)), [own.plots, own.outliers])
+        });
+        move |plot| self.expect(plot, scan, scans, own)
     }
 
-    /// What to expect at the place of `plot` in a scan without `own`, a plot of the scan before: it must not speak against itself.
-    pub fn without(&self, plot: &Measurement, scan: u32, own: &Measurement) -> FalsePlots {
-        self.expect(plot, scan, self.scans_learnt(scan), Some(own))
+    /// A plot of scan `scan` of which `share` is not claimed, as one that its track must not be held against.
+    pub fn own(&self, plot: &Measurement, share: f64) -> OwnPlots {
+        let mut own = OwnPlots { place: plot.polar.map(|value| value as f32), ..OwnPlots::default() };
+        own.add(share, self.is_outlier(plot));
+        own
     }
 
-    /// Σ κ^age over the scans so far.
+    /// Adds one more, and forgets as the map does.
+    pub fn add_own(&self, own: &mut OwnPlots, plot: &Measurement, share: f64) {
+        own.place = plot.polar.map(|value| value as f32);
+        own.add(share, self.is_outlier(plot));
+    }
+
+    /// A scan has passed.
+    pub fn fade(&self, own: &mut OwnPlots) {
+        let keep = (1.0 - 1.0 / self.memory_scans.max(1.0)) as f32;
+        own.plots *= keep;
+        own.outliers *= keep;
+    }
+
+    /// N': Σ κ^age over the scans so far.
     fn scans_learnt(&self, scan: u32) -> f64 {
         let passed = f64::from(scan.saturating_sub(self.first_scan.unwrap_or(scan)));
         let keep = 1.0 - 1.0 / self.memory_scans.max(1.0);
         self.memory_scans * (1.0 - keep.powf(passed))
     }
 
-    fn expect(&self, plot: &Measurement, scan: u32, scans: f64, own: Option<&Measurement>) -> FalsePlots {
-        let (mut per_cell, mut mean_excess) = (0.0_f64, 0.0_f64);
-        let noise = self.detector.noise_mean_excess();
-        for layer in self.layers.iter().filter(|layer| !layer.bins.is_empty()) {
-            let (index, cells) = layer.bin(&self.radar, &plot.polar);
-            let Some(bin) = layer.bins.get(index).filter(|bin| bin.plots > 0.0) else { continue };
-            let mut bin = bin.at(scan, self.memory_scans);
-            if let Some(own) = own.filter(|own| layer.bin(&self.radar, &own.polar).0 == index) {
-                bin.plots = (bin.plots - 1.0).max(0.0);
-                bin.excess = (bin.excess - self.excess(own) as f32).max(0.0);
-            }
-            per_cell = per_cell.max(f64::from(bin.plots) / ((layer.prior_scans + scans) * cells));
-            let mean = (PRIOR_PLOTS * noise as f32 + bin.excess) / (PRIOR_PLOTS + bin.plots);
-            mean_excess = mean_excess.max(f64::from(mean));
+    fn expect(&self, plot: &Measurement, scan: u32, scans: f64, own: Option<Own>) -> FalsePlots {
+        let found = if self.bins.is_empty() { Found::default() } else { self.look_up(plot, scan, scans, own) };
+        let [all, outliers] = found.per_cell;
+        // In a crowd, of strength unknown.
+        let crowd = f64::from(plot.crowd);
+        let (all, outliers) = if crowd > all { (crowd, outliers.max(crowd)) } else { (all, outliers) };
+        let per_cell = self.base + all;
+        FalsePlots {
+            density: per_cell / self.cell_volume(plot),
+            power: FalsePower {
+                mean_excess: found.mean_excess,
+                outliers: ((outliers + OUTLIERS_EXPECTED) / per_cell).min(1.0),
+            },
         }
-        FalsePlots { density: (self.base + per_cell) / self.cell_volume(plot), mean_excess }
+    }
+
+    fn look_up(&self, plot: &Measurement, scan: u32, scans: f64, own: Option<Own>) -> Found {
+        let mut found = Found::default();
+        let mut nested = [0.0; 2];
+        let noise = self.detector.noise_mean_excess() as f32;
+        for (map, form) in self.maps.iter().enumerate() {
+            let key = self.key(map, &plot.polar);
+            let mut sums = [0.0; 3];
+            if let Some(bin) = self.bins.get(&key) {
+                sums = bin.at(scan, self.memory_scans).sums;
+                if let Some((keys, [plots, outliers])) = own
+                    && keys[map] == key
+                    && sums[0] > 0.0
+                {
+                    let left = (sums[0] - plots).max(0.0);
+                    sums = [left, sums[1] * left / sums[0], (sums[2] - outliers).max(0.0)];
+                }
+            }
+            let [plots, excess, outliers] = sums;
+            let cells = self.cells_of(*form, &plot.polar);
+            // Strong plots that are few may be targets'.
+            let counts = [f64::from(plots), (f64::from(outliers) - OUTLIERS_IGNORED).max(0.0)];
+            for (k, count) in counts.into_iter().enumerate() {
+                if map == 0 {
+                    nested[k] = count / ((form.prior_scans + scans) * cells);
+                } else if map < NESTED {
+                    nested[k] = if nested[k] > 0.0 { (count + 1.0) / (scans * cells + 1.0 / nested[k]) } else { 0.0 };
+                } else {
+                    let ignored = if k == 0 { form.ignored } else { 0.0 };
+                    let rate = (count - ignored).max(0.0) / ((form.prior_scans + scans) * cells);
+                    found.per_cell[k] = found.per_cell[k].max(rate);
+                }
+                if map + 1 == NESTED {
+                    found.per_cell[k] = nested[k];
+                }
+            }
+            if map + 1 >= NESTED && plots > form.ignored as f32 {
+                let mean = (PRIOR_PLOTS * noise + excess) / (PRIOR_PLOTS + plots);
+                found.mean_excess = found.mean_excess.max(f64::from(mean));
+            }
+        }
+        found
     }
 
     /// Volume of a resolution cell in the measure of y, m³·m/s or what the radar measures of it.
@@ -117,15 +284,67 @@ impl ClutterMap {
         let (r, cos_e) = (plot.polar[0].max(1.0), plot.cos_elevation.max(1e-3));
         self.cells_product * if self.radar.measured[2] { r * r * cos_e } else { r }
     }
+
+    /// Which bin of a map a place is in.
+    fn key(&self, map: usize, polar: &[f64; COORDINATES]) -> u64 {
+        let Map { range_cells, azimuth_cells, .. } = self.maps[map];
+        let range = polar[0] / self.radar.cell[0];
+        let range = if range_cells > 0.0 { (range / range_cells) as u64 } else { u64::from(octave(range)) };
+        let azimuth = if azimuth_cells > 0.0 {
+            (common::angle::wrap(polar[1]) / (azimuth_cells * self.radar.cell[1])) as u64
+        } else {
+            0
+        };
+        let class =
+            |i: usize| if self.radar.measured[i] { u64::from(class((polar[i] / self.radar.cell[i]).abs())) } else { 0 };
+        (((range << 20 | azimuth & 0xf_ffff) << 4 | class(2)) << 4 | class(3)) << 3 | map as u64
+    }
+
+    /// Resolution cells in the bin of a map at a place.
+    fn cells_of(&self, map: Map, polar: &[f64; COORDINATES]) -> f64 {
+        let octave_cells =
+            |octave: u32| OCTAVE_CELLS * if octave == 0 { 1.0 } else { f64::from(1_u32 << (octave - 1)) };
+        let range = if map.range_cells > 0.0 {
+            map.range_cells.min(self.farthest_cells)
+        } else {
+            octave_cells(octave(polar[0] / self.radar.cell[0]))
+        };
+        let around = (TAU / self.radar.cell[1]).max(1.0);
+        let azimuth = if map.azimuth_cells > 0.0 { map.azimuth_cells.min(around) } else { around };
+        let width = |i: usize| {
+            if self.radar.measured[i] { class_width(class((polar[i] / self.radar.cell[i]).abs())) } else { 1.0 }
+        };
+        let both_signs = if self.radar.measured[3] { 2.0 } else { 1.0 };
+        range * azimuth * width(2) * both_signs * width(3)
+    }
+}
+
+/// Octave of a range in cells: 0 for the first [`OCTAVE_CELLS`].
+fn octave(range_cells: f64) -> u32 {
+    let octaves = (range_cells / OCTAVE_CELLS) as u32;
+    u32::BITS - octaves.min(1 << 30).leading_zeros()
+}
+
+/// Class of a magnitude in cells: below 1, 3, 9 and so on.
+fn class(value: f64) -> u32 {
+    let (mut class, mut edge) = (0, 1.0);
+    while value >= edge && class < 12 {
+        class += 1;
+        edge *= 3.0;
+    }
+    class
+}
+
+/// Width of a class, cells.
+fn class_width(class: u32) -> f64 {
+    if class == 0 { 1.0 } else { 2.0 * 3.0_f64.powi(class as i32 - 1) }
 }
 
 /// Decayed sums of one bin.
 #[derive(Debug, Clone, Copy)]
 struct Bin {
-    /// Plots.
-    plots: f32,
-    /// Their q − t₀.
-    excess: f32,
+    /// Plots, their q − t₀, outliers among them.
+    sums: [f32; 3],
     /// Scan to which the sums are brought.
     scan: u32,
 }
@@ -136,56 +355,30 @@ impl Bin {
         if age == 0 {
             return self;
         }
-        let keep = (1.0 - 1.0 / memory_scans.max(1.0)).powf(f64::from(age)) as f32;
-        Self { plots: self.plots * keep, excess: self.excess * keep, scan }
+        let keep = (1.0 - 1.0 / memory_scans.max(1.0)).powi(age.min(i32::MAX as u32) as i32) as f32;
+        Self { sums: self.sums.map(|sum| sum * keep), scan }
     }
 }
 
-/// One resolution of the map.
-#[derive(Debug)]
-struct Layer {
-    /// Width of a bin of range, cells.
-    range_cells: f64,
-    /// n₀: scans without a plot that every bin starts with.
-    prior_scans: f64,
-    range_bins: usize,
-    azimuth_bins: usize,
-    /// Classes of elevation and |ṙ|.
-    classes: [usize; 2],
-    /// By [range][azimuth][elevation][|ṙ|].
-    bins: Vec<Bin>,
-}
+/// Spreads the keys of bins: the same in every run, so that results are.
+#[derive(Debug, Default)]
+struct Mix(u64);
 
-impl Layer {
-    fn new(radar: &Radar, range_cells: f64, azimuth_rad: f64, prior_scans: f64, learns: bool) -> Self {
-        let azimuth_bins = (TAU / azimuth_rad).round().clamp(1.0, MAX_AZIMUTH_BINS) as usize;
-        let classes = [2, 3].map(|i| if radar.measured[i] { EDGES.len() } else { 1 });
-        let per_range = azimuth_bins * classes[0] * classes[1];
-        let range_bins = MAX_RANGE_BINS.min(MAX_BINS / per_range);
-        // Not all zero, so that the memory is there from the start.
-        let empty = Bin { plots: 0.0, excess: 0.0, scan: 1 };
-        let bins = vec![empty; if learns { range_bins * per_range } else { 0 }];
-        Self { range_cells, prior_scans, range_bins, azimuth_bins, classes, bins }
+impl Hasher for Mix {
+    fn finish(&self) -> u64 {
+        self.0
     }
 
-    /// Index of the bin of a place, and the number of its resolution cells.
-    fn bin(&self, radar: &Radar, polar: &[f64; COORDINATES]) -> (usize, f64) {
-        let range = (polar[0] / (radar.cell[0] * self.range_cells)) as usize;
-        let azimuth = (common::angle::wrap(polar[1]) / TAU * self.azimuth_bins as f64) as usize;
-        let class = |i: usize| if radar.measured[i] { class((polar[i] / radar.cell[i]).abs()) } else { (0, 1.0) };
-        let ((elevation, elevation_cells), (range_rate, range_rate_cells)) = (class(2), class(3));
-        let ring = range.min(self.range_bins - 1) * self.azimuth_bins + azimuth.min(self.azimuth_bins - 1);
-        let index = (ring * self.classes[0] + elevation) * self.classes[1] + range_rate;
-        let azimuth_cells = (TAU / self.azimuth_bins as f64 / radar.cell[1]).max(1.0);
-        let both_signs = if radar.measured[3] { 2.0 } else { 1.0 };
-        (index, self.range_cells * azimuth_cells * elevation_cells * both_signs * range_rate_cells)
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.write_u64(u64::from(*byte));
+        }
     }
-}
 
-/// Class of a magnitude in cells, and the width of the class.
-fn class(value: f64) -> (usize, f64) {
-    let class = EDGES.iter().take(EDGES.len() - 1).position(|edge| value < *edge).unwrap_or(EDGES.len() - 1);
-    (class, EDGES[class] - if class == 0 { 0.0 } else { EDGES[class - 1] })
+    fn write_u64(&mut self, key: u64) {
+        let mixed = (self.0 ^ key).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 = mixed ^ mixed >> 29;
+    }
 }
 
 #[cfg(test)]
@@ -210,15 +403,15 @@ mod tests {
             }
         }
         let place = plot(430.0, 1.2, 0.0);
-        let here = map.in_scan(59)(&place);
+        let here = map.in_scan(59, None)(&place);
         // A ring of one range cell, 628 azimuth cells, one of elevation, two of range rate.
         let expected = 60.0 / (628.3 * 2.0);
         let per_cell = here.density * map.cell_volume(&place);
         assert!(per_cell > 0.8 * expected && per_cell < 3.0 * expected, "{per_cell} {expected}");
-        assert!((here.mean_excess - 10.0).abs() < 1.0, "{}", here.mean_excess);
+        assert!((here.power.mean_excess - 10.0).abs() < 1.0, "{}", here.power.mean_excess);
         let elsewhere = Measurement { polar: [3000.0, 3.0, 0.1, 60.0], ..place };
-        let empty = map.in_scan(59)(&elsewhere);
+        let empty = map.in_scan(59, None)(&elsewhere);
         assert!((empty.density * map.cell_volume(&elsewhere) - 1e-6).abs() < 1e-12);
-        assert!(empty.mean_excess == 0.0);
+        assert!(empty.power.mean_excess == 0.0);
     }
 }

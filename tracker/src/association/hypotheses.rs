@@ -277,7 +277,7 @@ impl Hypotheses {
             }
             expect(machine, lanes, surroundings.radar, rules.alpha, prediction, expected);
             found.clear(layout.len());
-            let mut missed = [0.0; LANES];
+            let (mut missed, mut held) = ([0.0; LANES], [(0, 0.0); LANES]);
             for lane in 0..lanes {
                 let (mut weights, mut gates) = ([0.0; MODELS], [Gate::default(); MODELS]);
                 for j in 0..layout.len() {
@@ -293,6 +293,7 @@ impl Hypotheses {
                 for candidate in &candidates[lane] {
                     found.add(lane, &plots[candidate.plot], candidate.offset_s, 1.0);
                 }
+                held[lane] = (candidates[lane].len(), selection.volume);
                 missed[lane] = weights.iter().zip(&selection.missed).map(|(weight, missed)| weight * missed).sum();
                 best.get_or_insert(selection);
             }
@@ -308,7 +309,7 @@ impl Hypotheses {
                 for (m, candidate) in candidates[lane].iter().enumerate() {
                     let density: f64 =
                         (0..layout.len()).map(|j| prediction.weight(j, lane) * densities.ln(m, j, lane).exp()).sum();
-                    let ratio = density * surroundings.ratio_to_noise(&plots[candidate.plot], rules);
+                    let ratio = density * surroundings.ratio_to_noise(&plots[candidate.plot], held[lane], rules);
                     let shared = ratio * surroundings.share(candidate.plot);
                     alone += own_weight * ratio;
                     evidence += own_weight * shared;

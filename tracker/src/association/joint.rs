@@ -356,7 +356,7 @@ impl Claimant<'_> {
     /// What a plot of density exp(`ln_density`) is to it among false plots `here`.
     fn offer(&self, ln_density: f64, plot: &Measurement, here: FalsePlots) -> Offer {
         let ratio = match self.target {
-            Some(target) if plot.has_power => target.likelihood_ratio_in_clutter(plot.power, here.mean_excess),
+            Some(target) if plot.has_power => target.likelihood_ratio_among(plot.power, here.power),
             _ => 1.0,
         };
         let ln_power = (self.detection_probability * ratio / here.density).ln();

@@ -1,5 +1,7 @@
 //! Mean and covariance of each lane of a group, all components together (T16).
 
+use std::f64::consts::PI;
+
 use common::tracks::{PACKED, STATE};
 use pulp::{Simd, WithSimd};
 
@@ -7,6 +9,9 @@ use super::gaussian::{Gaussian, at};
 use super::group::{Component, Group, for_known};
 use super::lanes::{Lanes, Row, V};
 use super::machine::Machine;
+use crate::plots::measurement::NEAREST_M;
+use crate::plots::radar::Radar;
+use crate::tracks::bounds::Spread;
 
 /// Moments of up to eight tracks.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +46,35 @@ impl Moments {
             mean: std::array::from_fn(|i| self.mean[i].0[lane]),
             covariance: std::array::from_fn(|k| self.covariance[k].0[lane]),
         }
+    }
+
+    /// How well the target in a lane is known, in what the radar measures.
+    pub fn spread(&self, lane: usize, radar: &Radar) -> Spread {
+        let p = |row: usize, column: usize| self.covariance[at(row, column)].0[lane];
+        let u = |i: usize| self.mean[i].0[lane];
+        let axes = if radar.measured[2] { 3 } else { 2 };
+        let norm = |first: usize| (0..axes).map(|axis| u(first + axis).powi(2)).sum::<f64>().sqrt();
+        let deviation = |first: usize| (0..axes).map(|axis| p(first + axis, first + axis)).sum::<f64>().max(0.0).sqrt();
+        let plane = p(0, 0) * p(1, 1) - p(0, 1) * p(0, 1);
+        // Of two deviations: an ellipse, or an ellipsoid.
+        let mut volume = if axes == 2 {
+            4.0 * PI * plane.max(0.0).sqrt()
+        } else {
+            let first = p(0, 2) * p(1, 1) - p(1, 2) * p(0, 1);
+            let second = p(0, 2) * p(0, 1) - p(1, 2) * p(0, 0);
+            let determinant = p(2, 2) * plane - p(0, 2) * first + p(1, 2) * second;
+            32.0 / 3.0 * PI * determinant.max(0.0).sqrt()
+        };
+        if radar.measured[3] {
+            let mut along = 0.0;
+            for i in 0..axes {
+                for j in 0..axes {
+                    along += u(i) * u(j) * p(3 + i, 3 + j);
+                }
+            }
+            volume *= 4.0 * along.max(0.0).sqrt() / norm(0).max(NEAREST_M);
+        }
+        Spread { volume, position_m: deviation(0), speed_mps: norm(3), velocity_mps: deviation(3) }
     }
 
     /// Sets the moments of one lane.

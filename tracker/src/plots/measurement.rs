@@ -8,6 +8,10 @@
 //! D = H P* Hᵀ + R,  D₄₄ inflated by γ H₄ P* H₄ᵀ                                    (T7), (T8)
 //! ```
 //!
+//! Far away the uncertainty of a plot is a bent arc: on average it lies nearer than its range by b = r (cos²ε σ_β² + σ_ε²)/2. Where b is more
+//! than a tenth of σ_r the position is moved out by b, and σ_r² grows by 4b²: the variance of the bend, 2b², for an angle that is as uncertain as the
+//! difference of plot and prediction.
+//!
 //! R is evaluated at the mode's predicted position, so the order of plots cannot matter. A
 //! coordinate that was not measured (elevation, range rate) gets unit variance, no coupling and
 //! no innovation: every formula then holds as it stands, and it adds nothing.
@@ -23,6 +27,9 @@ pub const COORDINATES: usize = 4;
 
 /// Ranges below this are taken for it where a formula divides by the range, m.
 pub const NEAREST_M: f64 = 1e-3;
+
+/// Square of the bend of a plot's uncertainty, over its variance of range, that is left out of account.
+const SLIGHT_BEND: f64 = 0.01;
 
 /// A plot, converted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +50,8 @@ pub struct Measurement {
     pub measured: [bool; COORDINATES],
     /// Whether `power` was measured.
     pub has_power: bool,
+    /// Plots per resolution cell in a crowd of its turn, 0 outside one ([`super::crowd`]).
+    pub crowd: f32,
 }
 
 #[cfg(test)]
@@ -58,6 +67,7 @@ impl Measurement {
             power: 0.0,
             measured: [true; COORDINATES],
             has_power: false,
+            crowd: 0.0,
         }
     }
 }
@@ -84,17 +94,25 @@ impl Measurement {
             return None;
         }
         let place = Polar { range_m: plot.range_m, azimuth_rad: plot.azimuth_rad, elevation_rad };
-        let variance =
+        let mut variance: [f64; COORDINATES] =
             std::array::from_fn(|i| if measured[i] { f64::from(sigma[i]) * f64::from(sigma[i]) } else { 0.0 });
+        let cos_elevation = elevation_rad.cos();
+        let bend_m = 0.5 * plot.range_m * (variance[1] * cos_elevation * cos_elevation + variance[2]);
+        let mut position: [f64; 3] = place.to_enu().into();
+        if bend_m * bend_m > SLIGHT_BEND * variance[0] {
+            variance[0] += 4.0 * bend_m * bend_m;
+            position = position.map(|axis| axis * (1.0 + bend_m / plot.range_m));
+        }
         Some(Self {
             time_ns: plot.time_ns,
-            position: place.to_enu().into(),
+            position,
             polar,
-            cos_elevation: elevation_rad.cos(),
+            cos_elevation,
             variance,
             power: if has_power { f64::from(plot.statistic) * f64::from(plot.statistic) } else { 0.0 },
             measured,
             has_power,
+            crowd: 0.0,
         })
     }
 

@@ -1,5 +1,6 @@
 //! Plots: what they measure, and where they are kept and found.
 
+mod crowd;
 pub mod index;
 pub mod measurement;
 pub mod radar;

@@ -19,6 +19,11 @@ impl Radar {
         self.measured.iter().filter(|measured| **measured).count()
     }
 
+    /// The largest side of a resolution cell at a range, m.
+    pub fn cell_m(&self, range_m: f64) -> f64 {
+        self.cell[0].max(range_m * self.cell[1]).max(range_m * self.cell[2])
+    }
+
     /// Product of `extent` over the measured coordinates, as a volume in the measure of y (m³·m/s) at range
     /// `r` (m) and elevation cosine `cos_e`: r² cos ε with elevation, r without.
     pub fn volume(&self, extent: impl Fn(usize) -> f64, r: f64, cos_e: f64) -> f64 {

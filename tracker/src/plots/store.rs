@@ -6,7 +6,9 @@ use std::cmp::Ordering;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use crate::plots::crowd;
 use crate::plots::measurement::Measurement;
+use crate::plots::radar::Radar;
 use crate::tracks::handle::Handle;
 
 /// Plots older than this behind the newest are dropped, turns.
@@ -23,7 +25,7 @@ pub struct Entry {
     pub index: u32,
     /// How far confirmed tracks explain it: the largest association weight.
     pub explained: f64,
-    /// How far any track claims it: the largest weight times existence.
+    /// How far tracks claim it: the sum of their weights times existence, at most 1.
     pub claimed: f64,
     /// The strongest track that took it as its best plot, or the one that it started.
     pub owner: Option<Handle>,
@@ -38,6 +40,8 @@ pub struct PlotStore {
     measurements: Vec<Measurement>,
     /// Entries that have been settled (see [`PlotStore::settle`]).
     settled: usize,
+    /// Plots before the newest message's.
+    known: usize,
     /// Whether a plot has been added before its place in the order.
     disordered: bool,
     /// Where plots lie that belong in this order, reused.
@@ -51,6 +55,7 @@ impl PlotStore {
         self.entries.clear();
         self.measurements.clear();
         self.settled = 0;
+        self.known = 0;
         self.disordered = false;
     }
 
@@ -69,11 +74,18 @@ impl PlotStore {
         self.measurements.push(measurement);
     }
 
-    /// Brings the plots that are not settled into order. Plots mostly come in order, and then nothing is done.
-    pub fn sort(&mut self) {
-        if !std::mem::take(&mut self.disordered) {
-            return;
+    /// Brings the plots that are not settled into order, and marks those that are many at one azimuth.
+    pub fn sort(&mut self, radar: &Radar) {
+        let disordered = std::mem::take(&mut self.disordered);
+        if disordered {
+            self.sort_unsettled();
         }
+        let first = if disordered { self.settled } else { self.known };
+        crowd::mark(&self.angles_rad, &mut self.measurements, first, radar);
+        self.known = self.entries.len();
+    }
+
+    fn sort_unsettled(&mut self) {
         let Self { angles_rad, entries, measurements, settled, order, .. } = self;
         let unsettled = *settled..entries.len();
         order.clear();
@@ -99,6 +111,7 @@ impl PlotStore {
             self.entries.drain(..gone);
             self.measurements.drain(..gone);
             self.settled -= gone;
+            self.known -= gone;
         }
     }
 
@@ -167,7 +180,7 @@ mod tests {
                     let place = expected[settled..].partition_point(|other| by_angle(other, &entry).is_le());
                     expected.insert(settled + place, entry);
                 }
-                store.sort();
+                store.sort(&Radar { variance: [1.0; 4], cell: [1.0, 1e-9, 1.0, 1.0], measured: [true; 4] });
                 prop_assert_eq!(&store.entries, &expected);
                 prop_assert!(store.entries.iter().zip(&store.measurements).all(|(a, b)| a.angle_rad.to_bits() == b.polar[1].to_bits()));
                 settled = store.settle(f64::from(settle)).end;

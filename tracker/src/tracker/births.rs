@@ -35,8 +35,11 @@ impl Tracker {
         for (nth, index) in settled.enumerate() {
             let entry = self.plots.entry(index);
             let turn = (entry.angle_rad / TAU).max(0.0) as u32;
-            let (mut claimed, is_open) = (entry.claimed, entry.explained <= EXPLAINED && entry.owner.is_none());
-            if is_open && let Some(handle) = self.start(index, nth, turn, environment) {
+            let mut claimed = entry.claimed;
+            let owner = self.find(entry.owner).map_or(0.0, |place| self.tracks[place].life.existence);
+            if entry.explained <= EXPLAINED
+                && let Some(handle) = self.start(index, nth, turn, owner, environment)
+            {
                 let (place, track) = (handle.place as usize, &self.tracks[handle.place as usize]);
                 claimed = claimed.max(track.life.existence);
                 self.confirmed += u32::from(track.life.is_confirmed());
@@ -48,13 +51,14 @@ impl Tracker {
         }
     }
 
-    /// A tentative track that ends at the stored plot `index`, the `nth` of those settled, if there is a plot of the turn before to begin it.
-    fn start(&mut self, index: usize, nth: usize, turn: u32, environment: &Environment) -> Option<Handle> {
+    /// A tentative track that ends at the stored plot `index`, the `nth` of those settled, if there is a plot of the turn before to begin it and
+    /// it is more likely than the track of existence `owner` that has taken the plot.
+    fn start(&mut self, index: usize, nth: usize, turn: u32, owner: f64, environment: &Environment) -> Option<Handle> {
         let (previous, step_s) = self.partner(index, nth, &environment.limits)?;
         let (entry, last) = (*self.plots.entry(index), self.plots.measurement(index));
         let previous = self.plots.measurement(previous);
         let existence = environment.start_existence(previous, last, step_s, turn, &self.config);
-        if existence < LEAST_EXISTENCE {
+        if existence < LEAST_EXISTENCE.max(owner) {
             return None;
         }
         let Self { births: Births { state, .. }, tracks, .. } = self;
@@ -67,6 +71,8 @@ impl Tracker {
         for plot in [previous, last].into_iter().filter(|plot| plot.has_power) {
             amplitude.learn(plot.power, 1.0, environment.detector.threshold);
         }
+        let mut own_plots = environment.clutter.own(previous, 1.0);
+        environment.clutter.add_own(&mut own_plots, last, 1.0 - existence);
         let hypotheses = Hypotheses::most(&self.config).map(|most| tracks.hypotheses(state, most));
         let id = self.next_id;
         self.next_id += 1;
@@ -90,6 +96,7 @@ impl Tracker {
             last: here,
             life: Life::start(existence, &self.config),
             amplitude,
+            own_plots,
             last_scan: LastScan {
                 weight_none: 0.0,
                 weight_best: 1.0,

@@ -5,7 +5,7 @@
 use common::tracks::Track;
 
 use super::Tracker;
-use crate::constants::{SAME, SHARED_SCANS, SHARED_SCANS_APART};
+use crate::constants::{PASSING_SPEED, SAME, SHARED_SCANS};
 use crate::environment::Environment;
 use crate::tracks::track::DuplicateOf;
 
@@ -31,11 +31,12 @@ impl Tracker {
         let Some(other) = self.find(Some(track)).filter(|_| self.tracks.is_alive(place)) else { return };
         let (a, b) = (&self.tracks[place], &self.tracks[other]);
         let may_share = self.config.joint_association && [a, b].iter().all(|track| track.is_seen_apart(&self.config));
-        let needed = if may_share {
-            SHARED_SCANS_APART
-        } else {
-            SHARED_SCANS[usize::from(a.life.is_confirmed() && b.life.is_confirmed())]
+        let of_one_target = SHARED_SCANS[usize::from(a.life.is_confirmed() && b.life.is_confirmed())];
+        let passing = || {
+            let cell_m = environment.radar.cell_m(a.last.range_m[0].midpoint(a.last.range_m[1]));
+            (cell_m / (PASSING_SPEED * environment.limits.speed_mps * self.sweep.period_s())) as u32
         };
+        let needed = if may_share { of_one_target.max(passing()) } else { of_one_target };
         if scans < needed || self.tracks.squared_distance(place, other) > SAME {
             return;
         }

@@ -270,7 +270,7 @@ impl Tracker {
                 let prediction = states.prediction_words(place, of);
                 environment.claimant(config, rival, prediction, rival.opportunity(of).time_ns)
             });
-            let clutter = environment.clutter.in_scan(pending.turn);
+            let clutter = environment.clutter.in_scan(pending.turn, Some(track.own_plots));
             let shared = sharing.share(&own, rivals, &offered.measurements[first..], clutter, &environment.radar);
             for (share, &other) in offered.shares[first..].iter_mut().zip(shared.shares) {
                 *share = share.min(other);
@@ -321,20 +321,20 @@ impl Tracker {
             Member {
                 time_ns: track.next.time_ns,
                 plots: &offered.measurements[pending.offered.clone()],
-                surroundings: environment.surroundings(config, &track.amplitude, shares, pending.turn),
+                surroundings: environment.surroundings(config, &track.amplitude, track.own_plots, shares, pending.turn),
             }
         };
         if rules.association == common::config::Association::Mht {
             scan.outcomes.clear();
             let means = Means { filter: filter.as_ref(), machine: *machine, rules };
             for (lane, pending) in pending.iter().enumerate() {
-                let LiveTrack { hypotheses: Some(hypotheses), amplitude, time_ns, next, .. } =
+                let LiveTrack { hypotheses: Some(hypotheses), amplitude, own_plots, time_ns, next, .. } =
                     &mut tracks[pending.place]
                 else {
                     unreachable!("a track of several hypotheses has some");
                 };
                 let shares = &offered.shares[pending.offered.clone()];
-                let surroundings = environment.surroundings(config, amplitude, shares, pending.turn);
+                let surroundings = environment.surroundings(config, amplitude, *own_plots, shares, pending.turn);
                 let plots = &offered.measurements[pending.offered.clone()];
                 hypotheses.predict(means, seconds_between(*time_ns, next.time_ns).max(0.0), room);
                 let choice = &mut scan.choices[lane];
@@ -359,11 +359,17 @@ impl Tracker {
     /// sure of, or would be without other tracks.
     fn conclude(&mut self, pending: &Pending, lane: usize, environment: &Environment) -> Option<usize> {
         let Self { config, sweep, plots, tracks, updates, .. } = self;
-        let Updates { offered, scan, shares, .. } = updates;
+        let Updates { offered, scan, shares, moments, .. } = updates;
         let (choice, outcome) = (&scan.choices[lane], &scan.outcomes[lane]);
         tracks.states.turn_over(pending.place);
         let track = &mut tracks[pending.place];
         let was_confirmed = track.life.is_confirmed();
+        let spread = moments[0].spread(lane, &environment.radar);
+        let is_adrift = choice.best().is_some_and(|(plot, _)| {
+            let best = &offered.measurements[pending.offered.start + plot];
+            let here = environment.clutter.in_scan(pending.turn, Some(track.own_plots))(best);
+            spread.is_adrift(here.crowded(outcome.plots_in_gate, outcome.selection.volume).density)
+        });
         let turns = ((track.next.angle_rad - track.angle_rad) / TAU).round().max(1.0) as u32;
         if turns > 1 {
             track.life.pass(turns - 1, config);
@@ -373,9 +379,15 @@ impl Tracker {
         track.searched_to_rad = track.next.due_rad();
         if sweep.has_seen(track.next.angle_rad) || outcome.plots_in_gate > 0 {
             let evidence = track.evidence(outcome, pending.evidence);
-            track.life.observe(evidence, outcome.weight_none < MISS_WEIGHT, config);
+            let missed = 1.0 - outcome.selection.detection_probability;
+            let evidence = if is_adrift { evidence.min(missed) } else { evidence };
+            track.life.observe(evidence, outcome.weight_none < MISS_WEIGHT && !is_adrift, config);
         } else {
             track.life.pass(1, config);
+        }
+        let range_m = track.next.range_m[0].midpoint(track.next.range_m[1]);
+        if spread.is_lost(&environment.radar, range_m, environment.limits.speed_mps, sweep.period_s()) {
+            track.life.state = TERMINATED;
         }
         // The plots that are its own come before those that it has in common with another.
         shares.clear();
@@ -418,13 +430,18 @@ impl Tracker {
         for share in shares.iter() {
             let entry = plots.entry_mut(share.plot);
             track.last_scan.add(entry.seq, entry.index, share.weight, share.gates);
-            entry.claimed = entry.claimed.max(share.weight * track.life.existence);
+            entry.claimed = (entry.claimed + share.weight * track.life.existence).min(1.0);
             if track.life.is_confirmed() {
                 entry.explained = entry.explained.max(share.weight);
             }
             if best.is_none_or(|(_, most)| share.weight > most) {
                 best = Some((share.plot, share.weight));
             }
+        }
+        environment.clutter.fade(&mut track.own_plots);
+        if let Some((plot, weight)) = best.filter(|(_, weight)| *weight > MISS_WEIGHT) {
+            let unclaimed = 1.0 - weight * track.life.existence;
+            environment.clutter.add_own(&mut track.own_plots, plots.measurement(plot), unclaimed);
         }
         track.last = track.next;
         let ends = track.life.state == TERMINATED;

@@ -9,6 +9,7 @@ use super::amplitude::Amplitude;
 use super::handle::Handle;
 use super::life::Life;
 use super::states::Of;
+use crate::association::clutter_map::OwnPlots;
 use crate::association::hypotheses::Hypotheses;
 use crate::association::scan::Outcome;
 use crate::beam::opportunity::Opportunity;
@@ -94,6 +95,8 @@ pub struct LiveTrack {
     pub scans_apart: u32,
     /// Signal-to-noise ratio.
     pub amplitude: Amplitude,
+    /// Its plots that the clutter map took for false ones.
+    pub own_plots: OwnPlots,
     /// The opportunity before, whose scan it has been updated with.
     pub last: Opportunity,
     /// For the message.

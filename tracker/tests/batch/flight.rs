@@ -57,6 +57,7 @@ pub(crate) fn measurement(polar: [f64; COORDINATES], scale: f64, measured: [bool
         power: 20.0,
         measured,
         has_power: true,
+        crowd: 0.0,
     }
 }
 

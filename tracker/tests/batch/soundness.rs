@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use common::amplitude::FalsePower;
 use common::config::{Association, TrackerConfig};
 use common::random::{Purpose, generator};
 use nalgebra::DMatrix;
@@ -123,7 +124,10 @@ fn the_covariance_after_one_certain_plot_does_not_depend_on_its_place() {
             posteriors.push(state_of(&group.update.posterior, 0));
         }
         let rules = Rules { association: Association::Nearest, alpha: 1e3, ..Rules::new(&TrackerConfig::default()) };
-        let clutter = |_: &Measurement| FalsePlots { density: 1e-9, mean_excess: 1.0 };
+        let clutter = |_: &Measurement| FalsePlots {
+            density: 1e-9,
+            power: FalsePower { mean_excess: 1.0, ..FalsePower::default() },
+        };
         let surroundings =
             Surroundings { radar: &radar, detection_probability: 0.9, target: None, shares: &[], clutter };
         let mut scan = Scan::new(filter.layout());

@@ -30,7 +30,12 @@ impl Filter for Uav {
     fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]) {
         state[..MODES].copy_from_slice(&self.start_probability);
         for (mode, &n) in DIMENSIONS.iter().enumerate() {
-            let gaussian = if mode == HOVER { from.resting() } else { from.moving(self.noise_of(mode)) };
+            let noise = self.noise_of(mode);
+            let gaussian = match mode {
+                HOVER => from.resting(),
+                MANOEUVRE => from.moving(noise.of_jerk(from.step_s)),
+                _ => from.moving(noise),
+            };
             let (mean, rest) = state[LAYOUT.start(mode)..].split_at_mut(n);
             mean.copy_from_slice(&gaussian.mean[..n]);
             rest[..packed(n)].copy_from_slice(&gaussian.covariance[..packed(n)]);
