@@ -322,7 +322,7 @@ source = "plot-source"
         assert_eq!((north.radar.ranges, north.radar.scan_period_s, south.radar.ranges), (100, 2.0, 100));
         assert_eq!((north.tracker.start_speed_mps, south.tracker.start_speed_mps), (90.0, 50.0));
         assert_eq!((north.extractor.pfa, south.extractor.pfa), (1e-4, 1e-4));
-        assert_eq!((south.site.sic, south.run.source), (9, super::super::Source::PlotSource));
+        assert_eq!((south.site.sic, south.run.source), (Some(9), super::super::Source::PlotSource));
         assert_eq!(south.sim.origin, north.site.position);
     }
 
