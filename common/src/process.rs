@@ -15,6 +15,7 @@ use crate::health::{Condition, Health, HealthHeader};
 use crate::ipc::{Domain, IpcError, ObserverLosses, Publisher, Station, Watchdog};
 use crate::logging;
 use crate::messages::HealthReports;
+use crate::printable::printable;
 use crate::stop;
 use crate::time::{monotonic_ns, open_files, process_cpu_ns, resident_bytes};
 
@@ -163,7 +164,7 @@ pub fn tell(line: &str) {
 }
 
 fn write_line(line: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(line));
 }
 
 /// A number that no earlier start of a process has had: ns since 1970.

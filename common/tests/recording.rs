@@ -252,6 +252,41 @@ fn open_tells_the_forms_apart() {
     assert!(error(std::path::Path::new("/nowhere/x")).starts_with("cannot open recording /nowhere/x"));
 }
 
+/// Log times of all messages of a container.
+fn log_times(bytes: &[u8]) -> Vec<u64> {
+    let messages = mcap::MessageStream::new(bytes).expect("an MCAP file");
+    messages.map(|message| message.expect("a message").log_time).collect()
+}
+
+#[test]
+fn a_container_begins_with_its_first_measurement() {
+    let measured = messages(2);
+    let mut early: Vec<Recorded> = (0..3)
+        .map(|seq| Recorded::HealthReports(HealthHeader { session: 5, seq }, vec![Health { seq, ..Health::default() }]))
+        .collect();
+    let first_ns = 1_600_000_000_000_000_000;
+    let only_health = container(&early, 1);
+    assert_eq!(log_times(&only_health), [description().session; 3]);
+    early.extend(measured);
+    let bytes = container(&early, 1);
+    assert_eq!(Reader::new(bytes.as_slice()).map(|message| message.expect("a message")).collect::<Vec<_>>(), early);
+    let times = log_times(&bytes);
+    assert!(times.is_sorted() && times[..4] == [first_ns; 4], "{times:?}");
+}
+
+#[test]
+fn a_compression_that_is_not_read_is_no_damage() {
+    let mut bytes = container(&messages(1), 1000);
+    let name = bytes.windows(4).position(|word| word == b"zstd").expect("a chunk");
+    bytes[name..name + 4].copy_from_slice(b"lz4\x1b");
+    let error = Reader::new(bytes.as_slice()).next().expect("an entry").expect_err("not read").to_string();
+    assert!(
+        error.starts_with("not supported: byte ")
+            && error.ends_with("chunk compressed by `lz4\\u{1b}`, expected zstd or none"),
+        "{error}"
+    );
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 

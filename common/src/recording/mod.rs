@@ -6,12 +6,14 @@
 pub mod container;
 mod gap;
 pub mod jsonl;
+mod log_time;
 pub(crate) mod not_known;
 mod parts;
 pub mod row;
 
 pub use crate::messages::{Recorded, RecordedRef};
 pub use gap::{Gap, GapReason};
+pub use log_time::LogTime;
 pub use parts::{part_name, parts_from, parts_of, parts_of_run, run_and_part};
 
 use std::fs::File;
@@ -63,6 +65,12 @@ pub enum RecordingError {
     #[error("damaged container: {message}")]
     Container {
         /// What the reader says.
+        message: String,
+    },
+    /// A part of the container is in a form that is not read.
+    #[error("not supported: {message}")]
+    NotSupported {
+        /// What was found, and what is read.
         message: String,
     },
     /// Reading or writing fails.
