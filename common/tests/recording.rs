@@ -179,7 +179,7 @@ fn what_is_not_known_is_null_in_json_and_comes_back_as_not_known() {
 #[test]
 fn a_bad_line_is_named_by_its_number_and_the_rest_is_read() {
     let text = b"{\"topic\":\"speed\",\"header\":{},\"elements\":[]}\n\n\
-        {\"topic\":\"plots\",\"header\":{},\"elements\":[]}\nx\n";
+        {\"topic\":\"tracks\",\"header\":{},\"elements\":[]}\nx\n";
     let errors: Vec<String> =
         jsonl::Reader::new(&text[..]).map(|line| line.expect_err("must be refused").to_string()).collect();
     assert_eq!(errors[0], "line 1: topic `speed`: expected plots, tracks, truth or health");

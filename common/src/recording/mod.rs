@@ -9,6 +9,7 @@ pub mod jsonl;
 mod log_time;
 pub(crate) mod not_known;
 mod parts;
+mod plain_plots;
 pub mod row;
 
 pub use crate::messages::{Recorded, RecordedRef};
@@ -76,6 +77,13 @@ pub enum RecordingError {
     /// Reading or writing fails.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+}
+
+impl RecordingError {
+    /// Whether what was read is to blame.
+    pub fn is_of_input(&self) -> bool {
+        !matches!(self, Self::Open { .. } | Self::Io(_))
+    }
 }
 
 /// All messages of a recording, in file order, from a reader of either form.
