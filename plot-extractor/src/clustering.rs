@@ -40,14 +40,14 @@ impl CellGrid {
 /// Power over noise before, in and after the peak cell; NaN where there is no cell.
 pub type Cut = [f64; 3];
 
-/// How far a cluster reaches along an axis, and the largest power over noise of its hits at either end.
+/// How far a cluster reaches along an axis, and the largest power of its hits at either end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
     /// First cell, or dwell.
     pub first: u64,
     /// Last cell, or dwell.
     pub last: u64,
-    /// Power over noise at both.
+    /// Power at both.
     pub powers: [f64; 2],
 }
 
@@ -68,6 +68,12 @@ impl Reach {
         ];
         self.first = self.first.min(other.first);
         self.last = self.last.max(other.last);
+    }
+
+    /// The same with powers over `noise`.
+    #[must_use]
+    pub fn over(self, noise: f64) -> Self {
+        Self { powers: self.powers.map(|power| power / noise), ..self }
     }
 
     /// Cells, or dwells.
@@ -272,14 +278,13 @@ impl Cluster {
     fn of(grid: CellGrid, dwell: u64, hit: Hit) -> Self {
         let unknown = [f64::NAN; 3];
         let (elevation, _, range) = grid.place(hit.cell);
-        let power = f64::from(hit.power) / f64::from(hit.noise);
         Self {
             first_dwell: dwell,
             last_dwell: dwell,
             hits: 1,
             peak_dwell: dwell,
             peak: hit,
-            reaches: [range as u64, dwell, elevation as u64].map(|place| Reach::of(place, power)),
+            reaches: [range as u64, dwell, elevation as u64].map(|place| Reach::of(place, hit.power.into())),
             range: unknown,
             azimuth: unknown,
             elevation: unknown,

@@ -3,7 +3,7 @@
 //! The response of a point is known, so its cluster is foretold by its peak: a point δ cells from the peak cell has in the cell
 //! k the amplitude a h_k (C6). A cluster is of an *extended* target if along any axis
 //!
-//! - its last cell is far stronger than a point's would be there, or
+//! - the amplitude of its last cell is far above a point's there, and its power no less than a hundredth of the peak's, or
 //! - the three cells x_k about the peak do not fit a point. With a = Σ x_k h_k / Σ h_k², the expectation
 //!   m_k = √(a² h_k² + ½) and the variance ½ of an amplitude in noise of power 1, Σ (x_k − m_k)²/(½ + ρ² m_k²) is at most χ² of one degree of
 //!   freedom for a point; ρ is how well the response is known.
@@ -19,8 +19,10 @@
 use crate::centroid::Offset;
 use crate::clustering::{Cluster, Cut, Reach};
 
-/// The last cell of a point is at most so many times stronger than foretold.
-const FAR: f64 = 4.0;
+/// The amplitude of a point's last cell is at most so many standard errors above what is foretold.
+const FAR: f64 = 4.5;
+/// Cells of one hull have powers within this of each other; clutter that a strong target's skirts touch has less.
+const LIKE: f64 = 0.01;
 /// χ² of one degree of freedom that one point in 2000 exceeds.
 const MISFIT: f64 = 12.0;
 /// ρ: the response of a real radar is Gaussian to about this part.
@@ -31,7 +33,7 @@ const CELL_VARIANCE: f64 = 1.0 / 12.0;
 /// What is known of a cluster along an axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Axis {
-    /// How far it reaches.
+    /// How far it reaches, with powers over the noise of the peak.
     pub reach: Reach,
     /// Cell, or dwell, of the peak.
     pub peak: u64,
@@ -45,7 +47,7 @@ pub struct Axis {
 
 impl Axis {
     /// Whether a point cannot look so.
-    fn is_extended(&self, threshold: f64) -> bool {
+    fn is_extended(&self) -> bool {
         let peak = (self.cut[1] - 1.0).max(0.0);
         let foretold = |place: f64| {
             let k = place - self.peak as f64;
@@ -53,7 +55,10 @@ impl Axis {
             1.0 + peak * (-kappa * ((k - delta).powi(2) - delta * delta)).exp()
         };
         let ends = [self.reach.first, self.reach.last].into_iter().zip(self.reach.powers);
-        let is_stronger = |(place, power): (u64, f64)| power > FAR * foretold(place as f64).max(0.25 * threshold);
+        let is_stronger = |(place, power): (u64, f64)| {
+            let expected = foretold(place as f64).sqrt();
+            power > LIKE * self.cut[1] && power.sqrt() - expected > FAR * (0.5_f64.sqrt() + RESPONSE_ERROR * expected)
+        };
         ends.into_iter().any(is_stronger) || self.misfit() > MISFIT
     }
 
@@ -73,10 +78,9 @@ impl Axis {
     }
 }
 
-/// Places relative to the peak along range, azimuth and elevation, if the cluster is of an extended target; `threshold` is that
-/// of its cells, power over noise.
-pub fn middle(cluster: &Cluster, axes: &[Axis; 3], threshold: f64) -> Option<[Offset; 3]> {
-    if !axes.iter().any(|axis| axis.is_extended(threshold)) {
+/// Places relative to the peak along range, azimuth and elevation, if the cluster is of an extended target.
+pub fn middle(cluster: &Cluster, axes: &[Axis; 3]) -> Option<[Offset; 3]> {
+    if !axes.iter().any(Axis::is_extended) {
         return None;
     }
     let lengths = axes.map(|axis| axis.reach.length() as f64);

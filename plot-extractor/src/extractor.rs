@@ -1,6 +1,5 @@
 //! The stages in order: dwell by dwell from amplitudes to the plots of a sector.
 
-use common::amplitude::ca_cfar_factor;
 use common::angle;
 use common::config::{ExtractorConfig, RadarConfig};
 use common::dwell::DwellHeader;
@@ -155,8 +154,9 @@ impl PlotExtractor {
 
     /// Makes plots of the clusters that have closed; see [`plot_of`].
     fn plot_closed(&mut self, near: &DwellHeader) {
-        let Self { closed, plots, config, radar, .. } = self;
-        plots.extend(closed.drain(..).map(|cluster| plot_of(&cluster, near, radar, config)));
+        let noise_cells = 2 * self.config.reference_cells;
+        let Self { closed, plots, radar, .. } = self;
+        plots.extend(closed.drain(..).map(|cluster| plot_of(&cluster, near, radar, noise_cells)));
     }
 
     /// Publishes what the sector has brought.
@@ -253,8 +253,7 @@ fn check(header: &DwellHeader, length: usize) -> Option<Reject> {
 }
 
 /// The plot of a cluster (C6), (C7). `near` is a dwell not long after its peak, without a gap between.
-fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig, config: &ExtractorConfig) -> Plot {
-    let noise_cells = 2 * config.reference_cells;
+fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig, noise_cells: u32) -> Plot {
     let grid = CellGrid {
         elevations: near.elevations as usize,
         dopplers: near.dopplers as usize,
@@ -269,17 +268,21 @@ fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig, config: &
         curvature(near.elevation_step_rad, elevation_width),
         curvature(near.range_rate_step_mps, radar.doppler_width_mps),
     ];
+    let has_elevation = near.elevations > 1;
+    let has_range_rate = near.dopplers > 1;
     let cuts = [cluster.range, cluster.azimuth, cluster.elevation, cluster.doppler];
     let points: [Offset; 4] = std::array::from_fn(|axis| interpolate(cuts[axis], curvatures[axis], noise_cells));
     let peaks = [range as u64, cluster.peak_dwell, elevation as u64];
     let axes = std::array::from_fn(|axis| Axis {
-        reach: cluster.reaches[axis],
+        reach: cluster.reaches[axis].over(cluster.peak.noise.into()),
         peak: peaks[axis],
         cut: cuts[axis],
         point: points[axis],
         curvature: curvatures[axis],
     });
-    let middle = extent::middle(cluster, &axes, ca_cfar_factor(noise_cells, config.pfa));
+    // With elevation or Doppler, clusters that no point explains are mostly two targets that touch: the plot stays with the
+    // stronger one, as the tracker expects.
+    let middle = if has_elevation || has_range_rate { None } else { extent::middle(cluster, &axes) };
     let [range_offset, azimuth_offset, elevation_offset] = middle.unwrap_or([points[0], points[1], points[2]]);
     let doppler_offset = points[3];
 
@@ -288,8 +291,6 @@ fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig, config: &
     let doppler_span = near.range_rate_step_mps * f64::from(near.dopplers);
     let range_rate = near.range_rate_first_mps + near.range_rate_step_mps * (doppler as f64 + doppler_offset.cells);
     let lowest_rate = near.range_rate_first_mps - near.range_rate_step_mps / 2.0;
-    let has_elevation = near.elevations > 1;
-    let has_range_rate = near.dopplers > 1;
 
     let ratio = f64::from(cluster.peak.power) / f64::from(cluster.peak.noise);
     let straddling: f64 = points.iter().zip(curvatures).map(|(offset, kappa)| kappa * offset.cells.powi(2)).sum();
