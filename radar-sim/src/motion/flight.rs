@@ -151,7 +151,7 @@ impl Dropped {
 /// Opens a file, and says where it was looked for.
 fn open(file: &str) -> Result<File, String> {
     let opened = File::open(file).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => "no such file; its path is relative to the folder of the configuration file".to_string(),
+        ErrorKind::NotFound => "No such file; its path is relative to the folder of the configuration file".to_string(),
         _ => error.to_string(),
     })?;
     let is_file = opened.metadata().is_ok_and(|metadata| metadata.is_file());
@@ -226,7 +226,7 @@ mod tests {
         assert!(
             Flight::read("no/such.csv", start)
                 .expect_err("no file")
-                .starts_with("no such file; its path is relative to")
+                .starts_with("No such file; its path is relative to")
         );
         assert_eq!(Flight::read("/dev/zero", start).expect_err("endless"), "it is not a regular file");
     }
