@@ -87,7 +87,8 @@ impl Contents {
             .collect();
         if let Some(first) = self.first_unread {
             let (bytes, places) = (self.unread_bytes, self.unread_places);
-            notes.push(format!("{bytes} bytes could not be read, in {places} places, the first at byte {first}"));
+            let place = if places == 1 { "at".to_string() } else { format!("in {places} places, the first at") };
+            notes.push(format!("{bytes} bytes could not be read, {place} byte {first}"));
         }
         notes
     }

@@ -226,8 +226,10 @@ fn about_time(recording: &RadarRecording, rotations: &Rotations, configured_s: f
     let differs = |turn_s: f64| (turn_s / configured_s - 1.0).abs() > OTHER_TURN;
     if differs(turns_s.0) || differs(turns_s.1) {
         let (from_s, to_s) = turns_s;
+        let takes =
+            if to_s - from_s < 0.01 * to_s { format!("{to_s:.3}") } else { format!("{from_s:.3} to {to_s:.3}") };
         notes.push(format!(
-            "a turn takes {from_s:.3} to {to_s:.3} s by the start-of-cycle messages, which are followed; \
+            "a turn takes {takes} s by the start-of-cycle messages, which are followed; \
              `plot_source.scan_period_s` says {configured_s}"
         ));
     }
