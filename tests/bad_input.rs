@@ -87,3 +87,21 @@ fn the_effective_configuration_can_be_printed() {
     let text = String::from_utf8_lossy(&printed.stdout);
     assert!(printed.status.success() && text.contains("pfa = 0.0001") && text.contains("[tracker]"), "{text}");
 }
+
+/// Everything that can be read is published, and then the run ends with 1.
+#[test]
+fn a_recording_with_a_lost_byte() {
+    let bench = Bench::new();
+    let mut bytes = include_bytes!("../plot-source/tests/data/lebl-smr-30s.ast").to_vec();
+    bytes.remove(2000);
+    let damaged = bench.path("damaged.ast");
+    std::fs::write(&damaged, bytes).expect("writing");
+    let file = format!("plot_source.file={}", damaged.display());
+    let run = ["--set", "run.source=plot-source", "--set", "run.scans=0", "--speed", "max", "--set", &file];
+    let result = output(bench.command("run", &small_config()).args(run));
+    let all = text_of(&result);
+    assert_eq!(result.status.code(), Some(1), "{all}");
+    assert!(all.contains("damaged.ast: ") && all.contains("bytes could not be read, at byte "), "{all}");
+    assert!(all.contains("unread_byte") && all.contains("0 messages lost"), "{all}");
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+}

@@ -44,11 +44,15 @@ pub enum Reject {
     NoAddress,
     /// A report of a kind that is not a target (status messages).
     NotATarget,
+    /// A record of another sensor than the site's.
+    ForeignSource,
+    /// A byte of a recording that could not be read.
+    UnreadByte,
 }
 
 impl Reject {
     /// All reasons with their names in reports.
-    const NAMED: [(Self, &'static str); 14] = [
+    const NAMED: [(Self, &'static str); 16] = [
         (Self::LengthMismatch, "length_mismatch"),
         (Self::BadHeader, "bad_header"),
         (Self::BadAmplitude, "bad_amplitude"),
@@ -63,6 +67,8 @@ impl Reject {
         (Self::FixedMonitor, "fixed_monitor"),
         (Self::NoAddress, "no_address"),
         (Self::NotATarget, "not_a_target"),
+        (Self::ForeignSource, "foreign_source"),
+        (Self::UnreadByte, "unread_byte"),
     ];
 }
 

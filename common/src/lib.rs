@@ -26,6 +26,7 @@ pub mod message;
 pub mod messages;
 pub mod pace;
 pub mod plots;
+pub mod printable;
 pub mod process;
 pub mod random;
 pub mod realtime;

@@ -15,6 +15,8 @@ use crate::health::{Condition, Health, HealthHeader};
 use crate::ipc::{Domain, IpcError, ObserverLosses, Publisher, Station, Watchdog};
 use crate::logging;
 use crate::messages::HealthReports;
+use crate::printable::printable;
+use crate::recording::RecordingError;
 use crate::stop;
 use crate::time::{monotonic_ns, open_files, process_cpu_ns, resident_bytes};
 
@@ -137,7 +139,10 @@ fn exit_code_of(name: &str, error: &anyhow::Error) -> ExitCode {
     } else {
         say(&format!("{name}: {error:#}"));
     }
-    let usage = error.chain().any(|cause| cause.is::<ConfigError>() || cause.is::<BadInput>());
+    let usage = error.chain().any(|cause| {
+        let unreadable = cause.downcast_ref().is_some_and(RecordingError::is_of_input);
+        cause.is::<ConfigError>() || cause.is::<BadInput>() || unreadable
+    });
     let memory = |cause: &IpcError| matches!(cause, IpcError::SharedMemoryTooSmall { .. } | IpcError::OtherUser { .. });
     let usage = usage || error.chain().any(|cause| cause.downcast_ref().is_some_and(memory));
     ExitCode::from(if usage { EXIT_BAD_USAGE } else { EXIT_FAILED })
@@ -163,7 +168,7 @@ pub fn tell(line: &str) {
 }
 
 fn write_line(line: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(line));
 }
 
 /// A number that no earlier start of a process has had: ns since 1970.

@@ -179,7 +179,7 @@ fn what_is_not_known_is_null_in_json_and_comes_back_as_not_known() {
 #[test]
 fn a_bad_line_is_named_by_its_number_and_the_rest_is_read() {
     let text = b"{\"topic\":\"speed\",\"header\":{},\"elements\":[]}\n\n\
-        {\"topic\":\"plots\",\"header\":{},\"elements\":[]}\nx\n";
+        {\"topic\":\"tracks\",\"header\":{},\"elements\":[]}\nx\n";
     let errors: Vec<String> =
         jsonl::Reader::new(&text[..]).map(|line| line.expect_err("must be refused").to_string()).collect();
     assert_eq!(errors[0], "line 1: topic `speed`: expected plots, tracks, truth or health");
@@ -250,6 +250,41 @@ fn open_tells_the_forms_apart() {
     assert!(error(&file("x", b"\x7fELF")).contains("is not a recording"));
     assert!(error(folder.path()).contains("directory"));
     assert!(error(std::path::Path::new("/nowhere/x")).starts_with("cannot open recording /nowhere/x"));
+}
+
+/// Log times of all messages of a container.
+fn log_times(bytes: &[u8]) -> Vec<u64> {
+    let messages = mcap::MessageStream::new(bytes).expect("an MCAP file");
+    messages.map(|message| message.expect("a message").log_time).collect()
+}
+
+#[test]
+fn a_container_begins_with_its_first_measurement() {
+    let measured = messages(2);
+    let mut early: Vec<Recorded> = (0..3)
+        .map(|seq| Recorded::HealthReports(HealthHeader { session: 5, seq }, vec![Health { seq, ..Health::default() }]))
+        .collect();
+    let first_ns = 1_600_000_000_000_000_000;
+    let only_health = container(&early, 1);
+    assert_eq!(log_times(&only_health), [description().session; 3]);
+    early.extend(measured);
+    let bytes = container(&early, 1);
+    assert_eq!(Reader::new(bytes.as_slice()).map(|message| message.expect("a message")).collect::<Vec<_>>(), early);
+    let times = log_times(&bytes);
+    assert!(times.is_sorted() && times[..4] == [first_ns; 4], "{times:?}");
+}
+
+#[test]
+fn a_compression_that_is_not_read_is_no_damage() {
+    let mut bytes = container(&messages(1), 1000);
+    let name = bytes.windows(4).position(|word| word == b"zstd").expect("a chunk");
+    bytes[name..name + 4].copy_from_slice(b"lz4\x1b");
+    let error = Reader::new(bytes.as_slice()).next().expect("an entry").expect_err("not read").to_string();
+    assert!(
+        error.starts_with("not supported: byte ")
+            && error.ends_with("chunk compressed by `lz4\\u{1b}`, expected zstd or none"),
+        "{error}"
+    );
 }
 
 proptest! {

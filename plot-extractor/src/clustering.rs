@@ -40,6 +40,48 @@ impl CellGrid {
 /// Power over noise before, in and after the peak cell; NaN where there is no cell.
 pub type Cut = [f64; 3];
 
+/// How far a cluster reaches along an axis, and the largest power of its hits at either end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// First cell, or dwell.
+    pub first: u64,
+    /// Last cell, or dwell.
+    pub last: u64,
+    /// Power at both.
+    pub powers: [f64; 2],
+}
+
+impl Reach {
+    fn of(place: u64, power: f64) -> Self {
+        Self { first: place, last: place, powers: [power; 2] }
+    }
+
+    fn absorb(&mut self, other: &Self) {
+        let strongest = |mine: (u64, f64), other: (u64, f64), nearer: bool| match mine.0 == other.0 {
+            true => mine.1.max(other.1),
+            false if nearer => mine.1,
+            false => other.1,
+        };
+        self.powers = [
+            strongest((self.first, self.powers[0]), (other.first, other.powers[0]), self.first < other.first),
+            strongest((self.last, self.powers[1]), (other.last, other.powers[1]), self.last > other.last),
+        ];
+        self.first = self.first.min(other.first);
+        self.last = self.last.max(other.last);
+    }
+
+    /// The same with powers over `noise`.
+    #[must_use]
+    pub fn over(self, noise: f64) -> Self {
+        Self { powers: self.powers.map(|power| power / noise), ..self }
+    }
+
+    /// Cells, or dwells.
+    pub fn length(&self) -> u64 {
+        self.last - self.first + 1
+    }
+}
+
 /// A group of neighbouring hits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cluster {
@@ -53,6 +95,8 @@ pub struct Cluster {
     pub peak_dwell: u64,
     /// The strongest hit.
     pub peak: Hit,
+    /// How far it reaches along range, azimuth (dwells) and elevation.
+    pub reaches: [Reach; 3],
     /// Powers through the peak along range.
     pub range: Cut,
     /// Powers through the peak along azimuth.
@@ -192,11 +236,11 @@ impl Clustering {
         }
         if home == NONE {
             home = self.clusters.len() as u32;
-            self.clusters.push(Cluster::of(dwell, hit));
+            self.clusters.push(Cluster::of(self.grid, dwell, hit));
             self.parents.push(home);
             self.open.push(home);
         } else {
-            self.clusters[home as usize].take(dwell, hit);
+            self.clusters[home as usize].absorb(&Cluster::of(self.grid, dwell, hit));
         }
         home
     }
@@ -231,14 +275,16 @@ impl Clustering {
 }
 
 impl Cluster {
-    fn of(dwell: u64, hit: Hit) -> Self {
+    fn of(grid: CellGrid, dwell: u64, hit: Hit) -> Self {
         let unknown = [f64::NAN; 3];
+        let (elevation, _, range) = grid.place(hit.cell);
         Self {
             first_dwell: dwell,
             last_dwell: dwell,
             hits: 1,
             peak_dwell: dwell,
             peak: hit,
+            reaches: [range as u64, dwell, elevation as u64].map(|place| Reach::of(place, hit.power.into())),
             range: unknown,
             azimuth: unknown,
             elevation: unknown,
@@ -246,17 +292,16 @@ impl Cluster {
         }
     }
 
-    fn take(&mut self, dwell: u64, hit: Hit) {
-        self.absorb(&Self::of(dwell, hit));
-    }
-
     fn absorb(&mut self, other: &Self) {
         self.first_dwell = self.first_dwell.min(other.first_dwell);
         self.last_dwell = self.last_dwell.max(other.last_dwell);
         self.hits += other.hits;
+        for (reach, other) in self.reaches.iter_mut().zip(&other.reaches) {
+            reach.absorb(other);
+        }
         if other.peak.power > self.peak.power {
-            let (first_dwell, last_dwell, hits) = (self.first_dwell, self.last_dwell, self.hits);
-            *self = Self { first_dwell, last_dwell, hits, ..other.clone() };
+            let Self { first_dwell, last_dwell, hits, reaches, .. } = *self;
+            *self = Self { first_dwell, last_dwell, hits, reaches, ..other.clone() };
         }
     }
 

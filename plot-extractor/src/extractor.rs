@@ -8,9 +8,10 @@ use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM, Lineage, Stamps
 use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, MAX_PLOTS, Plot, PlotsHeader};
 use common::units::{NS_PER_S, to_db};
 
-use crate::centroid::{curvature, interpolate};
+use crate::centroid::{Offset, curvature, interpolate};
 use crate::cfar::{CaCfar, Hit};
 use crate::clustering::{CellGrid, Cluster, Clustering};
+use crate::extent::{self, Axis};
 
 /// Turns dwells into plots. Allocates nothing per dwell once running.
 #[derive(Debug)]
@@ -126,7 +127,6 @@ impl PlotExtractor {
                 powers_before: vec![0.0; grid.cells()],
             });
         }
-        let noise_cells = 2 * self.config.reference_cells;
         let stages = self.stages.as_mut()?;
         std::mem::swap(&mut stages.powers, &mut stages.powers_before);
         self.hits.clear();
@@ -134,7 +134,7 @@ impl PlotExtractor {
             return Some(Reject::BadAmplitude);
         }
         stages.clustering.add(header.seq, &self.hits, &stages.powers, &stages.powers_before, &mut self.closed);
-        self.plots.extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, header, &self.radar, noise_cells)));
+        self.plot_closed(header);
         self.sector.cells += amplitudes.len() as u64;
         self.sector.detections += self.hits.len() as u64;
         None
@@ -146,12 +146,17 @@ impl PlotExtractor {
         let Some(previous) = self.previous.filter(|previous| header.seq != previous.seq.saturating_add(1)) else {
             return;
         };
-        let noise_cells = 2 * self.config.reference_cells;
         if let Some(stages) = &mut self.stages {
             stages.clustering.close_all(&mut self.closed);
-            self.plots
-                .extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &previous, &self.radar, noise_cells)));
+            self.plot_closed(&previous);
         }
+    }
+
+    /// Makes plots of the clusters that have closed; see [`plot_of`].
+    fn plot_closed(&mut self, near: &DwellHeader) {
+        let noise_cells = 2 * self.config.reference_cells;
+        let Self { closed, plots, radar, .. } = self;
+        plots.extend(closed.drain(..).map(|cluster| plot_of(&cluster, near, radar, noise_cells)));
     }
 
     /// Publishes what the sector has brought.
@@ -161,17 +166,15 @@ impl PlotExtractor {
         publish: &mut impl FnMut(&PlotsHeader, &[Plot]) -> Result<(), E>,
     ) -> Result<(), E> {
         let Some(last) = self.sector.last.take() else { return Ok(()) };
-        let noise_cells = 2 * self.config.reference_cells;
         let mut covered_to_dwell = last.seq + 1;
         if let Some(stages) = &mut self.stages {
             if flags & END_OF_STREAM != 0 {
                 stages.clustering.close_all(&mut self.closed);
-                self.plots
-                    .extend(self.closed.drain(..).map(|cluster| plot_of(&cluster, &last, &self.radar, noise_cells)));
             }
             covered_to_dwell =
                 stages.clustering.oldest_open().map_or(covered_to_dwell, |dwell| dwell.min(covered_to_dwell));
         }
+        self.plot_closed(&last);
         let mut flags = flags;
         let left_out = self.plots.len().saturating_sub(MAX_PLOTS) as u32;
         if left_out > 0 {
@@ -249,7 +252,7 @@ fn check(header: &DwellHeader, length: usize) -> Option<Reject> {
     }
 }
 
-/// The plot of a cluster (C6). `near` is a dwell not long after its peak, without a gap between.
+/// The plot of a cluster (C6), (C7). `near` is a dwell not long after its peak, without a gap between.
 fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig, noise_cells: u32) -> Plot {
     let grid = CellGrid {
         elevations: near.elevations as usize,
@@ -265,21 +268,32 @@ fn plot_of(cluster: &Cluster, near: &DwellHeader, radar: &RadarConfig, noise_cel
         curvature(near.elevation_step_rad, elevation_width),
         curvature(near.range_rate_step_mps, radar.doppler_width_mps),
     ];
+    let has_elevation = near.elevations > 1;
+    let has_range_rate = near.dopplers > 1;
     let cuts = [cluster.range, cluster.azimuth, cluster.elevation, cluster.doppler];
-    let [range_offset, azimuth_offset, elevation_offset, doppler_offset] =
-        std::array::from_fn(|axis| interpolate(cuts[axis], curvatures[axis], noise_cells));
+    let points: [Offset; 4] = std::array::from_fn(|axis| interpolate(cuts[axis], curvatures[axis], noise_cells));
+    let peaks = [range as u64, cluster.peak_dwell, elevation as u64];
+    let axes = std::array::from_fn(|axis| Axis {
+        reach: cluster.reaches[axis].over(cluster.peak.noise.into()),
+        peak: peaks[axis],
+        cut: cuts[axis],
+        point: points[axis],
+        curvature: curvatures[axis],
+    });
+    // With elevation or Doppler, clusters that no point explains are mostly two targets that touch: the plot stays with the
+    // stronger one, as the tracker expects.
+    let middle = if has_elevation || has_range_rate { None } else { extent::middle(cluster, &axes) };
+    let [range_offset, azimuth_offset, elevation_offset] = middle.unwrap_or([points[0], points[1], points[2]]);
+    let doppler_offset = points[3];
 
-    let dwells_ago = near.seq.saturating_sub(cluster.peak_dwell) as f64 - azimuth_offset.cells;
+    let dwells_ago = near.seq as f64 - cluster.peak_dwell as f64 - azimuth_offset.cells;
     let dwell_ns = near.scan_period_s / f64::from(near.dwells_per_scan) * NS_PER_S;
     let doppler_span = near.range_rate_step_mps * f64::from(near.dopplers);
     let range_rate = near.range_rate_first_mps + near.range_rate_step_mps * (doppler as f64 + doppler_offset.cells);
     let lowest_rate = near.range_rate_first_mps - near.range_rate_step_mps / 2.0;
-    let has_elevation = near.elevations > 1;
-    let has_range_rate = near.dopplers > 1;
 
     let ratio = f64::from(cluster.peak.power) / f64::from(cluster.peak.noise);
-    let offsets = [range_offset, azimuth_offset, elevation_offset, doppler_offset];
-    let straddling: f64 = offsets.iter().zip(curvatures).map(|(offset, kappa)| kappa * offset.cells.powi(2)).sum();
+    let straddling: f64 = points.iter().zip(curvatures).map(|(offset, kappa)| kappa * offset.cells.powi(2)).sum();
     let snr = (ratio - 1.0).max(0.1) * straddling.exp();
     Plot {
         time_ns: near.time_ns.saturating_add_signed(-(dwells_ago * dwell_ns).round() as i64),

@@ -5,12 +5,13 @@
 //! dwell ─▶ cfar (hits) ─▶ clustering (one cluster per target) ─▶ centroid ─▶ plots of a sector
 //! ```
 //!
-//! Formulas: (C3), (C4) of `docs/theory/amplitude.md`, (C6) of `docs/theory/cells-and-plots.md`. The library knows no clock
+//! Formulas: (C3), (C4) of `docs/theory/amplitude.md`, (C6), (C7) of `docs/theory/cells-and-plots.md`. The library knows no clock
 //! and no shared memory; [`process`] is the shell around it.
 
 pub mod centroid;
 pub mod cfar;
 pub mod clustering;
+pub mod extent;
 pub mod extractor;
 pub mod process;
 pub mod replay;

@@ -60,6 +60,11 @@ fn replay_file(stage: &StageArgs, dwells: &Path, plots: &Path) -> anyhow::Result
     let summary =
         replay(messages, &mut extractor, &mut out).with_context(|| format!("replaying {}", dwells.display()))?;
     out.finish().with_context(|| format!("writing {}", plots.display()))?;
+    if summary.dwells == 0 {
+        let (file, name) = (dwells.display(), plots.display());
+        let hint = "dwells are recorded with --set recorder.dwells=true";
+        return Err(BadInput(format!("{file} holds no dwells, {name} no plots: {hint}")).into());
+    }
     writeln!(std::io::stdout(), "{} dwells, {} rejected, {} plots", summary.dwells, summary.rejected, summary.plots)?;
     Ok(ExitCode::SUCCESS)
 }

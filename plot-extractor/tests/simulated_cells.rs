@@ -71,6 +71,12 @@ fn coverage_is_continuous() {
 /// normalised squared error per axis within 0.8…1.25.
 #[test]
 fn each_target_gives_one_plot_whose_errors_are_as_stated() {
+    for snr_db in [[18.0, 22.0, 28.0, 36.0], [45.0, 50.0, 55.0, 60.0]] {
+        assert_one_plot_with_its_error(snr_db);
+    }
+}
+
+fn assert_one_plot_with_its_error(snr_db: [f64; 4]) {
     let mut chain = quiet_radar();
     chain.extractor.pfa = 1e-6;
     let mut state = 1_u64;
@@ -93,7 +99,7 @@ fn each_target_gives_one_plot_whose_errors_are_as_stated() {
                 velocity_mps: [uniform(-40.0, 40.0), uniform(-40.0, 40.0), uniform(-2.0, 2.0)],
             },
             rcs_m2: None,
-            snr_db: Some([18.0, 22.0, 28.0, 36.0][number as usize % 4]),
+            snr_db: Some(snr_db[number as usize % 4]),
             swerling: Swerling::Zero,
             first_scan: 0,
         });

@@ -60,7 +60,7 @@ fn own_track(
     let life = lives.entry(number).or_default();
     let id = u64::from(number) + (*life << 12);
     *life += u64::from(status.last_report);
-    let time_ns = clock.time_ns(record.time_of_day?);
+    let time_ns = clock.time_ns(record.time_of_day?).max(0) as u64;
     let (sin, cos) = registration.azimuth_bias_deg.to_radians().sin_cos();
     let turn = |(x, y): (f64, f64)| (x * cos - y * sin, x * sin + y * cos);
     let (x, y) = turn(record.cartesian_m?);

@@ -16,16 +16,30 @@ pub enum SourceError {
         /// Why.
         cause: std::io::Error,
     },
-    /// There is not one readable block in the file.
-    #[error("{} is not an ASTERIX recording with category 010: no readable record in {bytes} bytes", path.display())]
+    /// What is named is no file.
+    #[error("key `plot_source.file` is `{name}`, expected the name of a file: sources on a network are not read")]
+    NotAFile {
+        /// What was named.
+        name: String,
+    },
+    /// There is not one readable record in the file.
+    #[error("{} is not an ASTERIX recording with category 010: {found}", path.display())]
     NotAsterix {
         /// Which file.
         path: PathBuf,
-        /// Its size.
-        bytes: usize,
+        /// What was found.
+        found: String,
+    },
+    /// The records of the file are of other sensors than the site's, or of several that could be it.
+    #[error("{} holds records of {found}: expected those of one sensor, named by keys `site.sac` and `site.sic`", path.display())]
+    WhichSource {
+        /// Which file.
+        path: PathBuf,
+        /// Sensors with their records.
+        found: String,
     },
     /// There is no start-of-update-cycle message, so scans cannot be told apart.
-    #[error("{} holds no start-of-update-cycle message: scans cannot be told apart", path.display())]
+    #[error("{} holds no start-of-update-cycle message with a time: scans cannot be told apart", path.display())]
     NoCycle {
         /// Which file.
         path: PathBuf,

@@ -8,11 +8,13 @@
 //! [`Source`] turns the recording of a radar, and that of a cooperative sensor where there
 //! is one, into the messages that the simulator and the plot extractor would publish.
 //! Only time, range and azimuth of a report reach the plots: no track number, address,
-//! velocity or size. Nothing in the bytes can make it fail: what cannot be used is
-//! counted by reason.
+//! velocity or size. Nothing in the bytes can make it fail: what cannot be read is stepped over and
+//! counted to the byte, what cannot be used is counted by reason.
 
 pub mod asterix;
 pub mod clock;
+pub mod contents;
+pub mod continuity;
 pub mod error;
 pub mod process;
 pub mod radar;

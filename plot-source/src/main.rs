@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::{Parser, Subcommand};
-use common::process::{BadInput, StageArgs};
+use common::process::{BadInput, StageArgs, say};
 use common::recording::RecordedRef;
 use common::recording::jsonl::Writer;
 use plot_source::Source;
@@ -55,6 +55,8 @@ fn convert(stage: &StageArgs, plots: &Path, truth: Option<&Path>) -> anyhow::Res
     let config = stage.load()?;
     let source = Source::open(&config).map_err(|error| BadInput(error.to_string()))?;
     let (records, rejected, scans) = (source.records(), *source.rejected(), source.scans());
+    source.notes().iter().for_each(|note| say(note));
+    let code = source.exit_code();
     let mut plots_out = create(plots)?;
     let mut truth_out = truth.map(create).transpose()?;
     let (mut plot_count, mut truth_count) = (0, 0);
@@ -78,7 +80,7 @@ fn convert(stage: &StageArgs, plots: &Path, truth: Option<&Path>) -> anyhow::Res
     for (name, count) in rejected.named() {
         writeln!(out, "rejected {name} {count}")?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(code)
 }
 
 fn create(path: &Path) -> anyhow::Result<Writer<BufWriter<File>>> {

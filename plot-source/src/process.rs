@@ -7,7 +7,7 @@ use common::ipc::Station;
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::messages::{Message, Plots, Truth};
 use common::pace::Pace;
-use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
+use common::process::{BadInput, HealthReporter, StageArgs, new_session, say, stop_requested};
 use common::realtime;
 use common::time::monotonic_ns;
 
@@ -16,13 +16,18 @@ use crate::Source;
 /// Name of the process.
 pub const NAME: &str = "plot-source";
 
-/// Runs the process until the recording ends or it is asked to stop.
+/// Runs the process until the recording ends or it is asked to stop; a recording that is not sound ends it with 1, after
+/// everything readable has been published.
 ///
 /// # Errors
 /// Configuration, recordings or shared memory.
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut source = Source::open(&chain).map_err(|error| BadInput(error.to_string()))?;
+    let code = source.exit_code();
+    if chain.run.first_scan == 0 {
+        source.notes().iter().for_each(|note| say(note)); // of the whole file: said once, not at every restart
+    }
     source.skip_to(chain.run.first_scan);
     let refused = realtime::apply(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
@@ -31,7 +36,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let session = new_session();
     let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
     if chain.run.first_scan == 0 {
-        reporter.health.set_rejected(source.rejected()); // of the whole file: said once, not at every restart
+        reporter.health.set_rejected(source.rejected());
     }
     reporter.publish()?;
     plots.wait_for_consumers()?;
@@ -74,12 +79,12 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             }
             if last != 0 {
                 plots.linger();
-                return Ok(ExitCode::SUCCESS);
+                return Ok(code);
             }
         }
     }
     // Started again after the last scan: nothing is left to send.
     reporter.health.ended = 1;
     reporter.publish()?;
-    Ok(ExitCode::SUCCESS)
+    Ok(code)
 }

@@ -6,12 +6,21 @@
 
 use std::f64::consts::TAU;
 
-use common::config::{PlotSourceConfig, SiteConfig};
+use common::config::PlotSourceConfig;
 use common::message::{END_OF_SCAN, TRUNCATED};
 use common::plots::{MAX_PLOTS, Plot, PlotsHeader};
 use common::units::seconds_between;
 
-use crate::radar::Report;
+/// A target report in measurement time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sighting {
+    /// When the beam passed the target, ns UTC.
+    pub time_ns: u64,
+    /// Slant range, m.
+    pub range_m: f64,
+    /// Azimuth after registration, rad, in [0, 2π).
+    pub azimuth_rad: f64,
+}
 
 /// What all plots of a radar have in common.
 #[derive(Debug, Clone)]
@@ -22,27 +31,27 @@ pub struct SectorLayout {
 }
 
 impl SectorLayout {
-    /// From the configuration of the radar.
-    pub fn new(site: &SiteConfig, config: &PlotSourceConfig) -> Self {
+    /// From the configuration of the radar, which calls itself `source_id` (SAC and SIC).
+    pub fn new(source_id: u32, config: &PlotSourceConfig) -> Self {
         let plot = Plot {
             sigma_range_m: config.sigma_range_m as f32,
             sigma_azimuth_rad: config.sigma_azimuth_deg.to_radians() as f32,
             cell_count: 1,
-            source_id: site.source_id(),
+            source_id,
             ..Plot::default()
         };
         let header = PlotsHeader {
             sectors_per_scan: config.sectors_per_scan,
             cell_range_m: config.cell_range_m,
             cell_azimuth_rad: config.cell_azimuth_deg.to_radians(),
-            source_id: site.source_id(),
+            source_id,
             ..PlotsHeader::default()
         };
         Self { sectors: config.sectors_per_scan, plot, header }
     }
 
     /// The messages of scan number `scan`, which lasted over `bounds_ns`, in the order of sectors.
-    pub fn messages(&self, scan: u32, bounds_ns: (u64, u64), reports: &[Report]) -> Vec<(PlotsHeader, Vec<Plot>)> {
+    pub fn messages(&self, scan: u32, bounds_ns: (u64, u64), reports: &[Sighting]) -> Vec<(PlotsHeader, Vec<Plot>)> {
         let mut sectors = vec![Vec::new(); self.sectors as usize];
         for report in reports {
             let sector = (report.azimuth_rad / TAU * f64::from(self.sectors)) as usize;
@@ -89,8 +98,8 @@ mod tests {
     #[test]
     fn every_report_is_in_the_sector_of_its_azimuth_and_every_sector_is_there() {
         let config = ChainConfig::default();
-        let layout = SectorLayout::new(&config.site, &config.plot_source);
-        let report = |azimuth_rad| Report { time_ns: 7, range_m: 100.0, azimuth_rad };
+        let layout = SectorLayout::new(7, &config.plot_source);
+        let report = |azimuth_rad| Sighting { time_ns: 7, range_m: 100.0, azimuth_rad };
         let messages = layout.messages(3, (1_000, 2_000), &[report(TAU - 1e-9), report(0.3), report(0.21)]);
         assert_eq!(messages.len(), 32);
         for (index, (header, plots)) in messages.iter().enumerate() {

@@ -1,19 +1,23 @@
 //! A recording as the messages of its scans.
 
 use std::path::Path;
+use std::process::ExitCode;
 
 use common::config::ChainConfig;
-use common::health::Rejected;
+use common::health::{Reject, Rejected};
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::plots::{Plot, PlotsHeader};
+use common::process::EXIT_CHECK_BROKEN;
 use common::truth::{MAX_TARGETS, TruthHeader, TruthTarget};
 use common::units::{NS_PER_S, seconds_between};
 
+use crate::asterix::unlike::what_is;
+use crate::contents::Contents;
 use crate::error::SourceError;
-use crate::radar::{RadarRecording, Report};
+use crate::radar::{RadarRecording, WhichSource};
 use crate::registration::Registration;
 use crate::rotation::Rotations;
-use crate::sectors::SectorLayout;
+use crate::sectors::{SectorLayout, Sighting};
 use crate::truth::TruthRecording;
 
 /// The messages of one scan, in the order of their publication. Sessions and stamps are the shell's.
@@ -33,14 +37,19 @@ pub struct Source {
     layout: SectorLayout,
     rotations: Rotations,
     /// Reports with their scans, by scan.
-    reports: Vec<(u32, Report)>,
+    reports: Vec<(u32, Sighting)>,
     /// Truth by time, if there is a recording of it.
     truth: Option<Vec<TruthTarget>>,
     scans: u32,
     next: u32,
     rejected: Rejected,
     records: u64,
+    notes: Vec<String>,
+    is_sound: bool,
 }
+
+/// A turn differs so much from the configured one that it is worth a word.
+const OTHER_TURN: f64 = 0.05;
 
 impl Source {
     /// Reads and decodes the recordings that `config` names.
@@ -48,8 +57,12 @@ impl Source {
     /// # Errors
     /// [`SourceError`]: a file cannot be read, or there is nothing of use in it.
     pub fn open(config: &ChainConfig) -> Result<Self, SourceError> {
-        if config.plot_source.file.is_empty() {
+        let name = &config.plot_source.file;
+        if name.is_empty() {
             return Err(SourceError::NoFile);
+        }
+        if name.contains("://") {
+            return Err(SourceError::NotAFile { name: name.clone() });
         }
         let radar_path = Path::new(&config.plot_source.file);
         let truth_path = Path::new(&config.plot_source.truth);
@@ -67,46 +80,72 @@ impl Source {
         (radar_path, radar): (&Path, &[u8]),
         truth: Option<(&Path, &[u8])>,
     ) -> Result<Self, SourceError> {
-        let midnight_ns = config.plot_source.midnight_ns();
-        let bias_rad = Registration::new(&config.plot_source.registration).azimuth_bias_rad();
-        let radar_recording = RadarRecording::decode(radar, midnight_ns, bias_rad);
-        let not_asterix =
-            |path: &Path, bytes: &[u8]| SourceError::NotAsterix { path: path.to_path_buf(), bytes: bytes.len() };
-        let begin_ns = radar_recording.begin_ns();
-        if radar_recording.records == 0 {
-            return Err(not_asterix(radar_path, radar));
-        }
-        let no_cycle = || SourceError::NoCycle { path: radar_path.to_path_buf() };
-        let begin_ns = begin_ns.ok_or_else(no_cycle)?;
-        let period_ns = (config.plot_source.scan_period_s * NS_PER_S) as u64;
-        let rotations = Rotations::new(radar_recording.cycles_ns, Some(begin_ns), period_ns).ok_or_else(no_cycle)?;
+        let plot_source = &config.plot_source;
+        let midnight_ns = plot_source.midnight_ns();
+        let bias_rad = Registration::new(&plot_source.registration).azimuth_bias_rad();
+        let path = || radar_path.to_path_buf();
+        refuse_other_formats(radar_path, radar)?;
+        let recording = RadarRecording::decode(radar, midnight_ns, bias_rad, &config.site)
+            .map_err(|WhichSource(found)| SourceError::WhichSource { path: path(), found })?;
+        refuse_without_records(radar_path, radar, &recording.contents)?;
+        let nominal_ns = (plot_source.scan_period_s * NS_PER_S) as i64;
+        let errors = (plot_source.sigma_range_m, plot_source.sigma_azimuth_deg.to_radians());
+        let rotations = Rotations::new(&recording.cycles, &recording.reports, nominal_ns, errors)
+            .ok_or_else(|| SourceError::NoCycle { path: path() })?;
+        let mut notes = named(radar_path, recording.contents.notes());
+        notes.extend(named(radar_path, about_source(&recording, config)));
+        notes.extend(named(radar_path, about_time(&recording, &rotations, plot_source.scan_period_s)));
+        let mut is_sound = recording.contents.unread_bytes == 0;
 
-        let mut rejected = radar_recording.rejected;
-        let mut records = radar_recording.records;
+        let mut rejected = recording.rejected;
+        let mut records = recording.contents.records;
         let truth = match truth {
             Some((path, bytes)) => {
-                let recording = TruthRecording::decode(bytes, midnight_ns, begin_ns, &config.plot_source);
-                if recording.records == 0 {
-                    return Err(not_asterix(path, bytes));
-                }
+                refuse_other_formats(path, bytes)?;
+                let begin_ns = rotations.bounds_ns(0).0 as i64;
+                let recording = TruthRecording::decode(bytes, midnight_ns, begin_ns, plot_source);
+                refuse_without_records(path, bytes, &recording.contents)?;
                 rejected.add(&recording.rejected);
-                records += recording.records;
+                records += recording.contents.records;
+                notes.extend(named(path, recording.contents.notes()));
+                is_sound &= recording.contents.unread_bytes == 0;
                 Some(recording.targets)
             }
             None => None,
         };
-        let mut reports = Vec::with_capacity(radar_recording.reports.len());
-        for report in radar_recording.reports {
-            match rotations.scan_of(report.time_ns, report.azimuth_rad / std::f64::consts::TAU) {
-                Some(scan) => reports.push((scan as u32, report)),
-                None => rejected.count(common::health::Reject::Late),
+        let mut reports = Vec::with_capacity(recording.reports.len());
+        for (index, report) in recording.reports.iter().enumerate() {
+            let time_ns = rotations.time_of(index, report);
+            match rotations.scan_of(time_ns, report.azimuth_rad) {
+                Some(scan) => {
+                    let (range_m, azimuth_rad) = (report.range_m, report.azimuth_rad);
+                    reports.push((scan as u32, Sighting { time_ns: time_ns.max(0) as u64, range_m, azimuth_rad }));
+                }
+                None => rejected.count(Reject::Late),
             }
+        }
+        if reports.is_empty() {
+            is_sound = false;
+            let without = rejected.of(Reject::NoPosition);
+            let found = format!("not one plot; {without} target reports without range and azimuth (I010/040)");
+            notes.extend(named(radar_path, vec![found]));
         }
         reports.sort_by_key(|&(scan, _)| scan);
         let available = rotations.scans() as u32;
         let scans = if config.run.scans == 0 { available } else { available.min(config.run.scans) };
-        let layout = SectorLayout::new(&config.site, &config.plot_source);
-        Ok(Self { layout, rotations, reports, truth, scans, next: 0, rejected, records })
+        let source_id = recording.source.map_or(config.site.source_id(), |source| source.0.into());
+        let layout = SectorLayout::new(source_id, plot_source);
+        Ok(Self { layout, rotations, reports, truth, scans, next: 0, rejected, records, notes, is_sound })
+    }
+
+    /// What the user should know of the recordings, one line each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// 0 if every byte could be read and there are plots, else [`EXIT_CHECK_BROKEN`].
+    pub fn exit_code(&self) -> ExitCode {
+        if self.is_sound { ExitCode::SUCCESS } else { ExitCode::from(EXIT_CHECK_BROKEN) }
     }
 
     /// Number of scans that there are to publish.
@@ -159,13 +198,86 @@ impl Iterator for Source {
         let bounds_ns = self.rotations.bounds_ns(scan as usize);
         let from = self.reports.partition_point(|&(of, _)| of < scan);
         let to = self.reports.partition_point(|&(of, _)| of <= scan);
-        let reports: Vec<Report> = self.reports[from..to].iter().map(|&(_, report)| report).collect();
+        let reports: Vec<Sighting> = self.reports[from..to].iter().map(|&(_, report)| report).collect();
         let mut plots = self.layout.messages(scan, bounds_ns, &reports);
         if let Some((header, _)) = plots.last_mut() {
             header.flags |= end;
         }
         Some(Scan { begin_ns: bounds_ns.0, plots, truth: self.truth_of(scan, bounds_ns, end) })
     }
+}
+
+/// What the user should know of the sensors in a recording.
+fn about_source(recording: &RadarRecording, config: &ChainConfig) -> Vec<String> {
+    let mut notes: Vec<String> =
+        recording.foreign().map(|(source, count)| format!("{source}: {count} records foreign, not used")).collect();
+    if let Some(source) = recording.source
+        && (config.site.sac.is_none() || config.site.sic.is_none())
+    {
+        notes.push(format!("taken for the site's: {source} (keys `site.sac` and `site.sic` do not both say)"));
+    }
+    notes
+}
+
+/// What the user should know of the time in a recording.
+fn about_time(recording: &RadarRecording, rotations: &Rotations, configured_s: f64) -> Vec<String> {
+    let mut notes = Vec::new();
+    let turns_s = rotations.typical_turns_s();
+    let differs = |turn_s: f64| (turn_s / configured_s - 1.0).abs() > OTHER_TURN;
+    if differs(turns_s.0) || differs(turns_s.1) {
+        let (from_s, to_s) = turns_s;
+        let takes =
+            if to_s - from_s < 0.01 * to_s { format!("{to_s:.3}") } else { format!("{from_s:.3} to {to_s:.3}") };
+        notes.push(format!(
+            "a turn takes {takes} s by the start-of-cycle messages, which are followed; \
+             `plot_source.scan_period_s` says {configured_s}"
+        ));
+    }
+    if let Some(text) = listed(&rotations.steps, |step| format!("{:+.3} s before scan {}", step.by_s, step.scan)) {
+        let count = rotations.steps.len();
+        notes.push(format!("clock steps {count}: {text}; measurement time runs on as if the clock had not been set"));
+    }
+    if let Some(text) = listed(&rotations.pauses, |pause| format!("{:.3} s at scan {}", pause.lasted_s, pause.scan)) {
+        notes.push(format!("pauses {}: {text}; their scans are without plots", rotations.pauses.len()));
+    }
+    let timeless = recording.reports.iter().filter(|report| report.clock_ns.is_none()).count();
+    if timeless > 0 {
+        notes.push(format!("reports without time {timeless}: they have that of the antenna at their azimuth"));
+    }
+    notes
+}
+
+/// The first few in words.
+fn listed<T>(all: &[T], text: impl Fn(&T) -> String) -> Option<String> {
+    const NAMED: usize = 5;
+    let mut names: Vec<String> = all.iter().take(NAMED).map(text).collect();
+    if all.len() > NAMED {
+        names.push(format!("{} more", all.len() - NAMED));
+    }
+    (!names.is_empty()).then(|| names.join(", "))
+}
+
+/// Says of which file the notes are.
+fn named(path: &Path, notes: Vec<String>) -> Vec<String> {
+    notes.into_iter().map(|note| format!("{}: {note}", path.display())).collect()
+}
+
+fn refuse_other_formats(path: &Path, bytes: &[u8]) -> Result<(), SourceError> {
+    match what_is(bytes) {
+        Some(found) => Err(SourceError::NotAsterix { path: path.to_path_buf(), found: format!("it is {found}") }),
+        None => Ok(()),
+    }
+}
+
+fn refuse_without_records(path: &Path, bytes: &[u8], contents: &Contents) -> Result<(), SourceError> {
+    if contents.records > 0 {
+        return Ok(());
+    }
+    let nothing = || format!("no readable record in {} bytes", bytes.len());
+    Err(SourceError::NotAsterix {
+        path: path.to_path_buf(),
+        found: contents.categories_found().unwrap_or_else(nothing),
+    })
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, SourceError> {

@@ -15,6 +15,7 @@ use nalgebra::Vector3;
 use crate::asterix::cat010::{MessageType, Record, TargetKind};
 use crate::asterix::records;
 use crate::clock::DayClock;
+use crate::contents::Contents;
 use crate::registration::Registration;
 
 /// Below this speed the direction of a velocity says nothing of the heading: the last one holds, m/s.
@@ -25,15 +26,15 @@ const SLOWEST_HEADING_MPS: f64 = 1.0;
 pub struct TruthRecording {
     /// Targets by time.
     pub targets: Vec<TruthTarget>,
-    /// Records that could be read.
-    pub records: u64,
+    /// What the file holds.
+    pub contents: Contents,
     /// What was not used.
     pub rejected: Rejected,
 }
 
 impl TruthRecording {
     /// Decodes `bytes`, a recording that began within half a day of `near_ns`.
-    pub fn decode(bytes: &[u8], midnight_ns: u64, near_ns: u64, config: &PlotSourceConfig) -> Self {
+    pub fn decode(bytes: &[u8], midnight_ns: u64, near_ns: i64, config: &PlotSourceConfig) -> Self {
         let mut recording = Self::default();
         let mut decoder = Decoder {
             clock: DayClock::near(midnight_ns, near_ns),
@@ -42,7 +43,7 @@ impl TruthRecording {
             headings: HashMap::new(),
         };
         for record in records(bytes) {
-            recording.records += u64::from(record.is_ok());
+            let record = recording.contents.take(record, &mut recording.rejected);
             match record.and_then(|record| decoder.target(&record)) {
                 Ok(target) => recording.targets.push(target),
                 Err(reason) => recording.rejected.count(reason),
@@ -71,7 +72,7 @@ impl Decoder {
             return Err(Reject::FixedMonitor);
         }
         let target_id = record.address.filter(|&address| address != 0).ok_or(Reject::NoAddress)?;
-        let time_ns = self.clock.time_ns(record.time_of_day.ok_or(Reject::NoTime)?);
+        let time_ns = self.clock.time_ns(record.time_of_day.ok_or(Reject::NoTime)?).max(0) as u64;
         let mut position = self.registration.position_enu(record.cartesian_m.ok_or(Reject::NoPosition)?);
         let velocity = self.registration.velocity_enu(record.velocity_steps.unwrap_or_default());
         if velocity.norm() > SLOWEST_HEADING_MPS {

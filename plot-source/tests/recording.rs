@@ -150,7 +150,7 @@ fn a_cut_recording_yields_everything_before_the_cut() {
         for record in records(&RADAR[..cut]) {
             match record {
                 Ok(_) => read += 1,
-                Err(reason) => rejected.push(reason),
+                Err(unused) => rejected.push(unused.reason()),
             }
         }
         assert_eq!(read, whole, "cut at {cut}");

@@ -36,6 +36,12 @@ impl DwellSimulator {
         Ok(Self { scene: Scene::new(&chain)?, clutter: Clutter::new(&chain), echoes: Echoes::default(), chain })
     }
 
+    /// What was left out of the files of flights, a line for each.
+    pub fn notes(&self) -> Vec<String> {
+        let name = |id: u32| &self.chain.sim.targets[id as usize - 1].name;
+        self.scene.dropped().map(|(id, dropped)| format!("target `{}`: {dropped}", name(id))).collect()
+    }
+
     /// Header of a dwell, without session and stamps.
     pub fn header(&self, scan: u32, dwell: u32) -> DwellHeader {
         let radar = &self.chain.radar;

@@ -7,7 +7,7 @@ use common::ipc::{Publisher, Station};
 use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM};
 use common::messages::{Dwells, Message, Truth};
 use common::pace::Pace;
-use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
+use common::process::{HealthReporter, StageArgs, new_session, say, stop_requested};
 use common::realtime;
 use common::time::monotonic_ns;
 use common::truth::TruthHeader;
@@ -24,6 +24,9 @@ pub const NAME: &str = "radar-sim";
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
     let mut simulator = DwellSimulator::new(&chain).map_err(|error| common::process::BadInput(error.to_string()))?;
+    if chain.run.first_scan == 0 {
+        simulator.notes().iter().for_each(|note| say(note)); // once, not at every restart
+    }
     let refused = realtime::apply(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
     let dwells = station.publisher::<Dwells>(simulator.cells())?;

@@ -82,6 +82,11 @@ impl Scene {
         })
     }
 
+    /// What was left out of the files of flights, in words, by number of the target from 1.
+    pub fn dropped(&self) -> impl Iterator<Item = (u32, String)> {
+        self.targets.iter().filter_map(|target| Some((target.id, target.motion.dropped()?)))
+    }
+
     /// Adds the echoes of all targets to one dwell at `time_s` since the start of the run
     /// with the beam at `azimuth_rad`.
     pub fn add(&mut self, scan: u32, dwell: u32, time_s: f64, azimuth_rad: f64, echoes: &mut Echoes) {

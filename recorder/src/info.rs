@@ -42,6 +42,9 @@ pub fn describe<R: Read>(input: R, length: u64, parts: usize) -> Result<String, 
         return Err(error);
     }
     let state = match (&summary.damage, reader.is_whole()) {
+        (Some(error @ RecordingError::NotSupported { .. }), _) => {
+            format!("not read after {} messages: {error}", reader.messages())
+        }
         (Some(error), _) => format!("damaged after {} messages: {error}", reader.messages()),
         (None, true) => "whole".to_string(),
         (None, false) => "cut: readable up to its last whole chunk".to_string(),

@@ -1,5 +1,7 @@
 //! Reading tables, overriding keys, checking values.
 
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use super::{ChainConfig, keys};
@@ -51,10 +53,21 @@ pub enum ConfigError {
     },
 }
 
+/// No configuration is longer, bytes; a device may be endless.
+const LONGEST: u64 = 16 << 20;
+/// No key lies in more tables than these.
+const DEEPEST: usize = 8;
+
 /// The text of a file; nothing without one.
 pub(super) fn read_text(path: Option<&Path>) -> Result<String, ConfigError> {
     let Some(path) = path else { return Ok(String::new()) };
-    std::fs::read_to_string(path).map_err(|cause| ConfigError::Read { path: path.to_path_buf(), cause })
+    let mut text = String::new();
+    let read = File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text));
+    let read = read.and_then(|bytes| match bytes as u64 {
+        0..=LONGEST => Ok(text),
+        _ => Err(io::Error::other(format!("it is longer than {} MiB", LONGEST >> 20))),
+    });
+    read.map_err(|cause| ConfigError::Read { path: path.to_path_buf(), cause })
 }
 
 pub(super) fn read(place: &str, table: toml::Table) -> Result<ChainConfig, ConfigError> {
@@ -78,7 +91,7 @@ fn in_words(message: &str, key: &str) -> String {
 
 /// Sets `table.key` to `value`, which is TOML, or text when it is not.
 pub(super) fn apply(table: &mut toml::Table, argument: &str) -> Result<(), ConfigError> {
-    let malformed = || ConfigError::Override { argument: argument.to_string() };
+    let malformed = || ConfigError::Override { argument: argument.chars().take(80).collect() };
     let (path, value) = argument.split_once('=').ok_or_else(malformed)?;
     let value = toml::from_str::<toml::Table>(&format!("value = {value}"))
         .ok()
@@ -86,6 +99,9 @@ pub(super) fn apply(table: &mut toml::Table, argument: &str) -> Result<(), Confi
         .unwrap_or_else(|| toml::Value::String(value.to_string()));
     let mut keys: Vec<&str> = path.split('.').map(str::trim).collect();
     let last = keys.pop().filter(|key| !key.is_empty()).ok_or_else(malformed)?;
+    if keys.len() > DEEPEST {
+        return Err(malformed());
+    }
     let mut place = table;
     for key in keys {
         place = place
@@ -130,4 +146,18 @@ pub(super) fn probability(key: &str, value: f64) -> Result<(), ConfigError> {
 pub(super) fn within(key: &str, value: u64, range: std::ops::RangeInclusive<u64>) -> Result<(), ConfigError> {
     let expected = format!("a whole number from {} to {}", range.start(), range.end());
     require(key, value, range.contains(&value), &expected)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endless_files_and_keys_of_endless_depth_are_refused() {
+        let text = read_text(Some(Path::new("/dev/zero"))).expect_err("endless").to_string();
+        assert!(text.ends_with("/dev/zero: it is longer than 16 MiB"), "{text}");
+        let deep = format!("{}a=1", "a.".repeat(30_000));
+        let text = apply(&mut toml::Table::new(), &deep).expect_err("too deep").to_string();
+        assert!(text.contains("expected table.key=value") && text.len() < 200, "{text}");
+    }
 }

@@ -17,7 +17,7 @@ pub struct PlotSourceConfig {
     pub date: String,
     /// Sectors in a scan.
     pub sectors_per_scan: u32,
-    /// Nominal scan period, s: gives the number of start-of-cycle messages missing in a gap.
+    /// Scan period, s, where the recording has too few start-of-cycle messages to tell; said if theirs differs.
     pub scan_period_s: f64,
     /// The radar sees no farther than this, m.
     pub coverage_range_m: f64,

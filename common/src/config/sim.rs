@@ -39,7 +39,7 @@ pub enum MotionConfig {
         #[serde(default)]
         repeat: bool,
     },
-    /// A recorded flight: CSV with time, latitude, longitude, height (columns found by their names).
+    /// A recorded flight: CSV with `timestamp` or `time` (seconds or ISO 8601), `latitude`, `longitude`, `altitude (m)`.
     Csv {
         /// The file; beside the configuration if it is a relative path.
         file: String,

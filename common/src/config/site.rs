@@ -12,10 +12,12 @@ pub use crate::geodesy::Position;
 pub struct SiteConfig {
     /// Name in service names (`radar/<name>/plots`): letters, digits, `-`, `_`.
     pub name: String,
-    /// System area code.
-    pub sac: u8,
-    /// System identification code.
-    pub sic: u8,
+    /// System area code. Of a recording, reports of another one are left out; without it any is taken, if there is one only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sac: Option<u8>,
+    /// System identification code, likewise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sic: Option<u8>,
     /// Where the antenna stands (WGS-84).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<Position>,
@@ -34,7 +36,7 @@ pub(super) fn check_position(position: &Position, key: &str) -> Result<(), Confi
 
 impl Default for SiteConfig {
     fn default() -> Self {
-        Self { name: "site1".into(), sac: 0, sic: 1, position: None }
+        Self { name: "site1".into(), sac: None, sic: None, position: None }
     }
 }
 
@@ -47,8 +49,8 @@ impl SiteConfig {
         self.position.map_or(Ok(()), |position| check_position(&position, "site.position"))
     }
 
-    /// SAC in the high byte, SIC in the low byte, as in messages.
+    /// SAC in the high byte, SIC in the low byte, as in messages; 0 and 1 where they are not given.
     pub fn source_id(&self) -> u32 {
-        u32::from(self.sac) << 8 | u32::from(self.sic)
+        u32::from(self.sac.unwrap_or(0)) << 8 | u32::from(self.sic.unwrap_or(1))
     }
 }

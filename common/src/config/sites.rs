@@ -160,7 +160,7 @@ pub fn load_sites(path: Option<&Path>, overrides: &[String]) -> Result<Sites, Co
 pub fn parse_sites(path: &Path, text: &str, overrides: &[String]) -> Result<Sites, ConfigError> {
     let mut table: Table = toml::from_str(text).map_err(|error| ConfigError::Syntax {
         path: path.to_path_buf(),
-        message: error.to_string().lines().collect::<Vec<_>>().join(" "),
+        message: error.to_string().lines().map(shortened).collect::<Vec<_>>().join(" "),
     })?;
     let place = path.display().to_string();
     let several = matches!(table.get("site"), Some(Value::Array(_)));
@@ -282,6 +282,16 @@ fn check_together(sites: &Sites) -> Result<(), ConfigError> {
     Ok(())
 }
 
+/// The beginning of a line that may be any length.
+fn shortened(line: &str) -> String {
+    const LONGEST: usize = 200;
+    if line.chars().count() <= LONGEST {
+        line.to_string()
+    } else {
+        line.chars().take(LONGEST).chain("…".chars()).collect()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -322,7 +332,7 @@ source = "plot-source"
         assert_eq!((north.radar.ranges, north.radar.scan_period_s, south.radar.ranges), (100, 2.0, 100));
         assert_eq!((north.tracker.start_speed_mps, south.tracker.start_speed_mps), (90.0, 50.0));
         assert_eq!((north.extractor.pfa, south.extractor.pfa), (1e-4, 1e-4));
-        assert_eq!((south.site.sic, south.run.source), (9, super::super::Source::PlotSource));
+        assert_eq!((south.site.sic, south.run.source), (Some(9), super::super::Source::PlotSource));
         assert_eq!(south.sim.origin, north.site.position);
     }
 

@@ -1,6 +1,7 @@
 //! JSON lines: one object per message,
 //! `{"topic":"plots","header":{…},"elements":[…]}`.
 //!
+//! Of plots, nearly everything may be left out ([`plain_plots`](super::plain_plots)). A number that is not known is `null`.
 //! Numbers are written with as many digits as it takes to read them back unchanged.
 //! Dwells have no text form: they would take 10⁹ bytes per second.
 
@@ -10,6 +11,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
+use super::plain_plots::PlainPlots;
 use super::{Recorded, RecordedRef, RecordingError};
 use crate::messages::{ForMessage, ForTopic, Message};
 use crate::topic::Topic;
@@ -28,7 +30,7 @@ struct LineOut<'a, H, E> {
 struct LineIn<'a> {
     topic: String,
     #[serde(borrow)]
-    header: &'a RawValue,
+    header: Option<&'a RawValue>,
     #[serde(borrow)]
     elements: &'a RawValue,
 }
@@ -82,12 +84,13 @@ pub struct Reader<R: BufRead> {
     line: String,
     number: u64,
     failed: bool,
+    plain: PlainPlots,
 }
 
 impl<R: BufRead> Reader<R> {
     /// A reader from the start of `input`.
     pub fn new(input: R) -> Self {
-        Self { input, line: String::new(), number: 0, failed: false }
+        Self { input, line: String::new(), number: 0, failed: false, plain: PlainPlots::default() }
     }
 }
 
@@ -106,7 +109,8 @@ impl<R: BufRead> Iterator for Reader<R> {
                 Ok(_) if self.line.trim().is_empty() => {}
                 Ok(_) => {
                     let line = self.number;
-                    return Some(parse(&self.line).map_err(|message| RecordingError::Line { line, message }));
+                    let parsed = parse(&self.line, &mut self.plain);
+                    return Some(parsed.map_err(|message| RecordingError::Line { line, message }));
                 }
                 Err(error) => {
                     self.failed = true; // not text: every further line would say the same
@@ -117,7 +121,7 @@ impl<R: BufRead> Iterator for Reader<R> {
     }
 }
 
-fn parse(line: &str) -> Result<Recorded, String> {
+fn parse(line: &str, plain: &mut PlainPlots) -> Result<Recorded, String> {
     struct Parse<'a>(&'a LineIn<'a>);
     impl ForTopic for Parse<'_> {
         type Out = Result<Recorded, String>;
@@ -129,7 +133,12 @@ fn parse(line: &str) -> Result<Recorded, String> {
     }
     let parsed: LineIn<'_> = serde_json::from_str(line).map_err(|error| error.to_string())?;
     if let Some(topic) = Topic::from_name(&parsed.topic).filter(|topic| !topic.is_bulk()) {
-        return topic.apply(Parse(&parsed));
+        let whole = topic.apply(Parse(&parsed));
+        if topic != Topic::Plots || whole.is_ok() {
+            return whole;
+        }
+        let (header, plots) = plain.complete(parsed.header.map(RawValue::get), parsed.elements.get())?;
+        return Ok(Recorded::Plots(header, plots));
     }
     let readable = Topic::ALL.iter().filter(|topic| !topic.is_bulk()).map(|topic| topic.name());
     let names: Vec<&str> = readable.collect();
@@ -138,7 +147,8 @@ fn parse(line: &str) -> Result<Recorded, String> {
 }
 
 fn parts<H: DeserializeOwned, E: DeserializeOwned>(line: &LineIn<'_>) -> Result<(H, Vec<E>), String> {
-    let header = serde_json::from_str(line.header.get()).map_err(|error| format!("header: {error}"))?;
+    let header = line.header.ok_or("missing field `header`")?;
+    let header = serde_json::from_str(header.get()).map_err(|error| format!("header: {error}"))?;
     let elements = serde_json::from_str(line.elements.get()).map_err(|error| format!("elements: {error}"))?;
     Ok((header, elements))
 }

@@ -6,12 +6,15 @@
 pub mod container;
 mod gap;
 pub mod jsonl;
+mod log_time;
 pub(crate) mod not_known;
 mod parts;
+mod plain_plots;
 pub mod row;
 
 pub use crate::messages::{Recorded, RecordedRef};
 pub use gap::{Gap, GapReason};
+pub use log_time::LogTime;
 pub use parts::{part_name, parts_from, parts_of, parts_of_run, run_and_part};
 
 use std::fs::File;
@@ -65,9 +68,22 @@ pub enum RecordingError {
         /// What the reader says.
         message: String,
     },
+    /// A part of the container is in a form that is not read.
+    #[error("not supported: {message}")]
+    NotSupported {
+        /// What was found, and what is read.
+        message: String,
+    },
     /// Reading or writing fails.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+}
+
+impl RecordingError {
+    /// Whether what was read is to blame.
+    pub fn is_of_input(&self) -> bool {
+        !matches!(self, Self::Open { .. } | Self::Io(_))
+    }
 }
 
 /// All messages of a recording, in file order, from a reader of either form.

@@ -1,58 +1,96 @@
 //! Data blocks: `category (1 byte), length (2, big-endian, of the whole block), records`.
+//!
+//! There is no mark in the format by which to find a block: one begins where the one before ends. A lost, added or
+//! spoilt byte therefore takes the place of all that follows. A block is *sound* when every record of it can be read to
+//! its last byte and names its sensor, which other bytes hardly ever are. A block is believed when it is sound and the
+//! next one, or the end, follows; or when no sound block begins inside it: a byte lost in a block may leave it readable,
+//! with its neighbour's first byte as its last. Where none is believed, reading goes on at the next sound one; the bytes
+//! before it are those that were not read.
 
-use common::health::Reject;
+use std::ops::Range;
+
+use super::cat010::{self, Records};
 
 /// Bytes of category and length.
-const HEADER: usize = 3;
+pub(super) const HEADER: usize = 3;
 
-/// One data block.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Block<'a> {
-    /// Category of its records.
-    pub category: u8,
-    /// Its records, back to back. The last block of a cut recording holds what is left of them.
-    pub records: &'a [u8],
-    /// Whether the recording ends inside the block.
-    pub cut: bool,
+/// A part of a recording.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Piece {
+    /// A block: its category, and where its records lie. The last block of a cut recording holds what is left of them.
+    Block {
+        /// Category of its records.
+        category: u8,
+        /// Its records, back to back.
+        records: Range<usize>,
+        /// Whether the recording ends inside the block.
+        cut: bool,
+    },
+    /// Bytes that are no block.
+    Lost(Range<usize>),
 }
 
-/// The blocks of a recording, one after the other.
-///
-/// Ends after a block that the end of the recording cuts, and after a length below 3:
-/// there is no mark in the format by which to find the next block.
+/// The parts of a recording, one after the other: together every byte of it.
 #[derive(Debug, Clone)]
-pub struct Blocks<'a> {
-    rest: &'a [u8],
+pub struct Pieces<'a> {
+    bytes: &'a [u8],
+    at: usize,
 }
 
-impl<'a> Blocks<'a> {
-    /// The blocks of `bytes`.
+impl<'a> Pieces<'a> {
+    /// The parts of `bytes`.
     pub fn new(bytes: &'a [u8]) -> Self {
-        Self { rest: bytes }
+        Self { bytes, at: 0 }
+    }
+
+    /// Category and end of the block at a place, if its header is possible and the recording does not end inside it.
+    fn whole(&self, at: usize) -> Option<(u8, usize)> {
+        let &[category, high, low] = self.bytes.get(at..)?.first_chunk()?;
+        let length = usize::from(u16::from_be_bytes([high, low]));
+        (category > 0 && length >= HEADER && at + length <= self.bytes.len()).then_some((category, at + length))
+    }
+
+    /// The end of the sound block at a place.
+    fn sound(&self, at: usize) -> Option<usize> {
+        let (_, end) = self.whole(at).filter(|&(category, _)| category == cat010::CATEGORY)?;
+        let mut records = Records::new(&self.bytes[at + HEADER..end]).peekable();
+        let is_sound = records.peek().is_some() && records.all(|record| record.is_ok_and(|it| it.source_id.is_some()));
+        is_sound.then_some(end)
+    }
+
+    /// The next sound block in a range.
+    fn next_sound(&self, mut range: Range<usize>) -> Option<usize> {
+        range.find(|&at| self.sound(at).is_some())
+    }
+
+    fn block(&mut self, category: u8, end: usize, cut: bool) -> Piece {
+        let records = (self.at + HEADER).min(end)..end;
+        self.at = end;
+        Piece::Block { category, records, cut }
     }
 }
 
-impl<'a> Iterator for Blocks<'a> {
-    type Item = Result<Block<'a>, Reject>;
+impl Iterator for Pieces<'_> {
+    type Item = Piece;
 
-    fn next(&mut self) -> Option<Self::Item> {
-        let bytes = std::mem::take(&mut self.rest);
-        if bytes.is_empty() {
+    fn next(&mut self) -> Option<Piece> {
+        let (at, length) = (self.at, self.bytes.len());
+        if at == length {
             return None;
         }
-        let &[category, high, low, ..] = bytes else {
-            return Some(Err(Reject::TruncatedRecord));
-        };
-        let length = usize::from(u16::from_be_bytes([high, low]));
-        if length < HEADER {
-            return Some(Err(Reject::BadHeader));
+        if let Some((category, end)) = self.whole(at) {
+            let leads_on = || self.sound(at).is_some() && (end == length || self.sound(end).is_some());
+            if leads_on() || self.next_sound(at + 1..end).is_none() {
+                return Some(self.block(category, end, false));
+            }
         }
-        if let Some((block, rest)) = bytes.split_at_checked(length) {
-            self.rest = rest;
-            Some(Ok(Block { category, records: &block[HEADER..], cut: false }))
-        } else {
-            Some(Ok(Block { category, records: &bytes[HEADER..], cut: true }))
+        let next = self.next_sound(at + 1..length);
+        // The end of the recording lies in a block of the category that is read: what there is of it is used.
+        if next.is_none() && self.bytes[at] == cat010::CATEGORY {
+            return Some(self.block(cat010::CATEGORY, length, true));
         }
+        self.at = next.unwrap_or(length);
+        Some(Piece::Lost(at..self.at))
     }
 }
 
@@ -60,25 +98,69 @@ impl<'a> Iterator for Blocks<'a> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn blocks_follow_each_other_by_length() {
-        let bytes = [10, 0, 4, 0xaa, 48, 0, 3, 10, 0, 9, 1, 2];
-        let blocks: Vec<_> = Blocks::new(&bytes).collect();
-        assert_eq!(
-            blocks,
-            [
-                Ok(Block { category: 10, records: &[0xaa], cut: false }),
-                Ok(Block { category: 48, records: &[], cut: false }),
-                Ok(Block { category: 10, records: &[1, 2], cut: true }),
-            ]
-        );
+    /// A start-of-cycle message, alone in its block.
+    const NORTH: [u8; 10] = [10, 0, 10, 0xd0, 0x00, 0x07, 0x02, 0x38, 0x41, 0x43];
+
+    fn block(category: u8, at: usize, length: usize) -> Piece {
+        Piece::Block { category, records: at + HEADER..at + length, cut: false }
+    }
+
+    fn pieces(bytes: &[u8]) -> Vec<Piece> {
+        Pieces::new(bytes).collect()
     }
 
     #[test]
-    fn an_impossible_length_ends_the_recording() {
-        let blocks: Vec<_> = Blocks::new(&[10, 0, 2, 10, 0, 4, 0]).collect();
-        assert_eq!(blocks, [Err(Reject::BadHeader)]);
-        let blocks: Vec<_> = Blocks::new(&[10, 0]).collect();
-        assert_eq!(blocks, [Err(Reject::TruncatedRecord)]);
+    fn blocks_follow_each_other_by_length() {
+        let bytes = [&NORTH[..], &[48, 0, 5, 0x80, 0xaa], &NORTH].concat();
+        assert_eq!(pieces(&bytes), [block(10, 0, 10), block(48, 10, 5), block(10, 15, 10)]);
+    }
+
+    #[test]
+    fn padding_and_foreign_bytes_are_stepped_over() {
+        for padding in [&[0_u8; 6][..], &[0xff; 5], &[10, 0, 0], &[10, 0, 2, 10, 0, 4]] {
+            let bytes = [&NORTH, padding, &NORTH, &NORTH].concat();
+            let second = NORTH.len() + padding.len();
+            let lost = Piece::Lost(NORTH.len()..second);
+            assert_eq!(pieces(&bytes), [block(10, 0, 10), lost, block(10, second, 10), block(10, second + 10, 10)]);
+        }
+    }
+
+    /// Whichever byte is lost, changed or put in: every other block is read, and every byte is in one piece.
+    #[test]
+    fn one_bad_byte_costs_one_block() {
+        let good = NORTH.repeat(6);
+        for place in 0..good.len() {
+            let mut lost = good.clone();
+            lost.remove(place);
+            let mut added = good.clone();
+            added.insert(place, 0x5a);
+            let mut changed = good.clone();
+            changed[place] ^= 0xff;
+            for bytes in [lost, added, changed] {
+                let pieces = pieces(&bytes);
+                let whole = |piece: &Piece| match piece {
+                    Piece::Block { records, cut: false, .. } => bytes[records.clone()] == NORTH[HEADER..],
+                    _ => false,
+                };
+                assert!(pieces.iter().filter(|piece| whole(piece)).count() >= 5, "{place}: {pieces:?}");
+                let mut end = 0;
+                for piece in pieces {
+                    let (from, to) = match piece {
+                        Piece::Block { records, .. } => (records.start - HEADER, records.end),
+                        Piece::Lost(range) => (range.start, range.end),
+                    };
+                    assert_eq!(from, end);
+                    end = to;
+                }
+                assert_eq!(end, bytes.len());
+            }
+        }
+    }
+
+    #[test]
+    fn a_cut_block_holds_what_is_left_of_it() {
+        let bytes = [&NORTH[..], &NORTH[..7]].concat();
+        assert_eq!(pieces(&bytes)[1], Piece::Block { category: 10, records: 13..17, cut: true });
+        assert_eq!(pieces(&[10, 0]), [Piece::Block { category: 10, records: 2..2, cut: true }]);
     }
 }

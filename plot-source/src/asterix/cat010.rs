@@ -147,12 +147,18 @@ const RESERVED_EXPANSION: u16 = 1002;
 #[derive(Debug, Clone)]
 pub struct Records<'a> {
     rest: &'a [u8],
+    failed: bool,
 }
 
 impl<'a> Records<'a> {
     /// The records in the payload of a block.
     pub fn new(records: &'a [u8]) -> Self {
-        Self { rest: records }
+        Self { rest: records, failed: false }
+    }
+
+    /// Bytes from the next record on, or from the one that cannot be read.
+    pub fn left(&self) -> usize {
+        self.rest.len()
     }
 }
 
@@ -160,12 +166,13 @@ impl Iterator for Records<'_> {
     type Item = Result<Record, Reject>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let mut cursor = Cursor(std::mem::take(&mut self.rest));
-        if cursor.0.is_empty() {
+        if self.failed || self.rest.is_empty() {
             return None;
         }
+        let mut cursor = Cursor(self.rest);
         let record = decode(&mut cursor);
-        if record.is_ok() {
+        self.failed = record.is_err();
+        if !self.failed {
             self.rest = cursor.0;
         }
         Some(record)

@@ -1,6 +1,7 @@
 //! How targets move: position, velocity and acceleration at any time.
 
 mod flight;
+mod flight_time;
 mod segments;
 mod waypoints;
 
@@ -76,6 +77,14 @@ impl Motion {
                 })?)
             }
         })
+    }
+
+    /// What was left out of the file of a flight, in words.
+    pub fn dropped(&self) -> Option<String> {
+        match self {
+            Self::Flight(flight) => flight.dropped(),
+            Self::Segments(_) | Self::Course(_) => None,
+        }
     }
 
     /// State `time_s` after the start of the motion.

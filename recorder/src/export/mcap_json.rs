@@ -1,7 +1,7 @@
 //! MCAP with JSON messages, which viewers open without knowing this program.
 //!
 //! One channel per topic, named as the topic; its schema says what each field is, with units. The times of a message are its
-//! measurement time; health, which has none, takes that of the last message that has one. The metadata `recording` is what
+//! measurement time; health, which has none, takes that of the last message that has one, or of the first. The metadata `recording` is what
 //! the recording says of itself.
 //! What is not known is left out, because viewers take no `null` for a number; so nothing is required.
 
@@ -10,7 +10,7 @@ use std::io::BufWriter;
 
 use common::messages::{ForMessage, ForTopic, Message};
 use common::recording::container::Description;
-use common::recording::{RecordedRef, RecordingError};
+use common::recording::{LogTime, RecordedRef, RecordingError};
 use common::topic::{TOPICS, Topic};
 use mcap::records::{MessageHeader, Metadata};
 use schemars::generate::SchemaSettings;
@@ -25,8 +25,8 @@ use super::Sink;
 pub(super) struct McapJson {
     mcap: mcap::Writer<BufWriter<File>>,
     channels: [u16; TOPICS],
-    /// Measurement time of the last message that has one, ns UTC.
-    time_ns: u64,
+    /// Messages as text, until a measurement gives them a time.
+    log_time: LogTime<(MessageHeader, Vec<u8>)>,
     text: Vec<u8>,
 }
 
@@ -62,7 +62,17 @@ impl McapJson {
             let channel = mcap.add_channel(schema, &format!("/{}", topic.name()), "json", &[].into());
             channels[topic as usize] = channel.map_err(failed)?;
         }
-        Ok(Self { mcap, channels, time_ns: 0, text: Vec::new() })
+        let log_time = LogTime::new(description.map_or(0, |description| description.session));
+        Ok(Self { mcap, channels, log_time, text: Vec::new() })
+    }
+
+    /// Writes what has waited for the first measurement.
+    fn file_waiting(&mut self, time_ns: u64) -> Result<(), RecordingError> {
+        for (header, text) in self.log_time.take_waiting() {
+            let header = MessageHeader { log_time: time_ns, publish_time: time_ns, ..header };
+            self.mcap.write_to_known_channel(&header, &text).map_err(failed)?;
+        }
+        Ok(())
     }
 
     /// Turns a message into text; what is not known is left out.
@@ -89,16 +99,22 @@ impl McapJson {
 impl Sink for McapJson {
     fn write(&mut self, message: RecordedRef<'_>) -> Result<u64, RecordingError> {
         self.put(message).map_err(std::io::Error::from)?;
-        if message.time_ns() > 0 {
-            self.time_ns = message.time_ns();
+        let channel_id = self.channels[message.topic() as usize];
+        let header = MessageHeader { channel_id, sequence: message.seq() as u32, log_time: 0, publish_time: 0 };
+        match self.log_time.of(message.time_ns()) {
+            None => self.log_time.wait((header, std::mem::take(&mut self.text))),
+            Some(time_ns) => {
+                self.file_waiting(time_ns)?;
+                let header = MessageHeader { log_time: time_ns, publish_time: time_ns, ..header };
+                self.mcap.write_to_known_channel(&header, &self.text).map_err(failed)?;
+            }
         }
-        let (channel_id, log_time) = (self.channels[message.topic() as usize], self.time_ns);
-        let header = MessageHeader { channel_id, sequence: message.seq() as u32, log_time, publish_time: log_time };
-        self.mcap.write_to_known_channel(&header, &self.text).map_err(failed)?;
         Ok(1)
     }
 
     fn finish(mut self: Box<Self>) -> Result<(), RecordingError> {
+        let time_ns = self.log_time.at_last();
+        self.file_waiting(time_ns)?;
         self.mcap.finish().map_err(failed)?;
         Ok(())
     }

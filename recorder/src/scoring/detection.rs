@@ -126,7 +126,7 @@ impl PlotScore {
         }
         self.settle(u64::MAX);
         let counts = self.counts;
-        let pfa_set = self.last_header.map(|header| header.pfa).filter(|&pfa| pfa > 0.0);
+        let pfa_set = self.last_header.map(|header| header.pfa).filter(|&pfa| pfa > 0.0 && pfa < 1.0);
         let cells = self.cells.max(0.0);
         let measured = with_truth && cells > 0.0;
         let per_visible = |sum: f64| (counts.visible > 0).then(|| sum / counts.visible as f64);
@@ -196,7 +196,7 @@ impl PlotScore {
             self.counts.visible += 1;
             self.counts.detected += u64::from(best.is_some());
             let swerling = target.target_id.checked_sub(1).and_then(|index| self.swerling.get(index as usize));
-            if let (Some(&swerling), true) = (swerling, cells.pfa > 0.0) {
+            if let (Some(&swerling), true) = (swerling, cells.pfa > 0.0 && cells.pfa < 1.0) {
                 let snr = from_db(f64::from(target.snr_db));
                 let detector = Detector::new(cells.pfa, cells.reference_cells);
                 self.expected += detector.target(swerling, snr).detection_probability;
@@ -219,5 +219,23 @@ impl PlotScore {
             }
             false
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn impossible_probabilities_of_false_alarm_give_no_expectation() {
+        for pfa in [2.0, 1.0, 0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let mut score = PlotScore::new(&ChainConfig::default());
+            let header = PlotsHeader { pfa, cells: 1, scan_period_s: 1.0, time_ns: 1, ..PlotsHeader::default() };
+            score.plots(&header, &[]);
+            let target = TruthTarget { target_id: 1, flags: VISIBLE, state: [100.0; 9], ..TruthTarget::default() };
+            score.truth(&TruthHeader { time_ns: 1, scan_period_s: 1.0, ..TruthHeader::default() }, &[target]);
+            let found = score.finish();
+            assert_eq!((found.pfa_set, found.pd_expected), (None, None), "{pfa}");
+        }
     }
 }

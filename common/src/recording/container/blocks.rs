@@ -7,7 +7,8 @@ use mcap::McapError;
 use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use super::{COUNTS, DESCRIPTION, Description, LONGEST_RECORD};
+use super::{COUNTS, DESCRIPTION, Description, LONGEST_RECORD, lengths};
+use crate::printable::printable;
 
 /// Bytes of the opcode and the length before every record.
 const RECORD_START: u64 = 9;
@@ -33,6 +34,13 @@ pub enum Block {
         /// Its place in the file, bytes.
         offset: u64,
         /// What is wrong.
+        message: String,
+    },
+    /// A chunk in a form that is not read.
+    NotSupported {
+        /// Its place in the file, bytes.
+        offset: u64,
+        /// What was found, and what is read.
         message: String,
     },
     /// Nothing follows.
@@ -137,15 +145,20 @@ impl<R: Read> Blocks<R> {
             }
         };
         let offset = self.offset;
+        let fits = lengths::fit(opcode, content);
         self.offset += RECORD_START + content.len() as u64;
         match opcode {
+            _ if !fits => {
+                Some(Block::Spoilt { offset, message: "a length in the record is greater than the record".into() })
+            }
             op::CHUNK => {
                 if self.checking {
                     self.chunks.push(offset);
                 }
                 Some(match unpack(content, &mut self.unpacker) {
                     Ok(records) => Block::Chunk { offset, records },
-                    Err(message) => Block::Spoilt { offset, message: format!("chunk: {message}") },
+                    Err(Unpack::NotSupported(message)) => Block::NotSupported { offset, message },
+                    Err(Unpack::Spoilt(message)) => Block::Spoilt { offset, message: format!("chunk: {message}") },
                 })
             }
             // Outside a chunk, as other programs may write them.
@@ -228,15 +241,29 @@ impl Iterator for BlocksAhead {
     }
 }
 
+/// Why a chunk cannot be unpacked.
+enum Unpack {
+    /// It is in a form that is not read.
+    NotSupported(String),
+    /// It is damaged.
+    Spoilt(String),
+}
+
+impl From<String> for Unpack {
+    fn from(message: String) -> Self {
+        Self::Spoilt(message)
+    }
+}
+
 /// The records in a chunk, after their checksum has been found right.
-fn unpack(content: &[u8], unpacker: &mut Option<zstd::bulk::Decompressor<'static>>) -> Result<Vec<u8>, String> {
+fn unpack(content: &[u8], unpacker: &mut Option<zstd::bulk::Decompressor<'static>>) -> Result<Vec<u8>, Unpack> {
     let Record::Chunk { header, data } = mcap::parse_record(op::CHUNK, content).map_err(|error| error.to_string())?
     else {
-        return Err("expected a chunk".into());
+        return Err("expected a chunk".to_string().into());
     };
     let size = header.uncompressed_size as usize;
     if size > LONGEST_RECORD {
-        return Err(format!("{size} bytes unpacked, expected at most {LONGEST_RECORD}"));
+        return Err(format!("{size} bytes unpacked, expected at most {LONGEST_RECORD}").into());
     }
     let records = match header.compression.as_str() {
         "" => data.into_owned(),
@@ -247,14 +274,17 @@ fn unpack(content: &[u8], unpacker: &mut Option<zstd::bulk::Decompressor<'static
             };
             unpacker.decompress(&data, size).map_err(|error| error.to_string())?
         }
-        other => return Err(format!("compression `{other}`, expected zstd or none")),
+        other => {
+            let found = printable(other);
+            return Err(Unpack::NotSupported(format!("chunk compressed by `{found}`, expected zstd or none")));
+        }
     };
     if records.len() != size {
-        return Err(format!("{} bytes unpacked, expected {size}", records.len()));
+        return Err(format!("{} bytes unpacked, expected {size}", records.len()).into());
     }
     let checksum = crc32fast::hash(&records);
     if header.uncompressed_crc != 0 && header.uncompressed_crc != checksum {
-        return Err(format!("checksum {checksum:08x}, expected {:08x}", header.uncompressed_crc));
+        return Err(format!("checksum {checksum:08x}, expected {:08x}", header.uncompressed_crc).into());
     }
     Ok(records)
 }

@@ -14,6 +14,7 @@
 //! What is missing lies in a channel of its own, `radar/<site>/gaps`, as JSON, where the messages would lie.
 
 mod blocks;
+mod lengths;
 mod reader;
 mod writer;
 
@@ -27,6 +28,7 @@ use bincode::config::{Configuration, Fixint, LittleEndian};
 
 use super::{RecordedRef, RecordingError};
 use crate::messages::{ForMessage, ForTopic, Message};
+use crate::printable::printable;
 use crate::topic::Topic;
 
 /// The first bytes of every MCAP file.
@@ -110,10 +112,11 @@ impl Description {
 
     /// What is missing or unreadable keeps its default.
     fn from_map(map: &BTreeMap<String, String>) -> Self {
-        let text = |key: &str| map.get(key).cloned().unwrap_or_default();
+        let raw = |key: &str| map.get(key).cloned().unwrap_or_default();
+        let text = |key: &str| printable(&raw(key));
         Self {
             site: text("site"),
-            config: text("config"),
+            config: raw("config"),
             version: text("version"),
             seed: text("seed").parse().unwrap_or_default(),
             session: text("session").parse().unwrap_or_default(),

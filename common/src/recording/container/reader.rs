@@ -8,9 +8,10 @@ use mcap::records::{Record, op};
 use serde::de::DeserializeOwned;
 
 use super::blocks::{Block, Blocks, BlocksAhead, End};
-use super::{Description, ENCODING, GAPS, encoding, schema};
+use super::{Description, ENCODING, GAPS, encoding, lengths, schema};
 use crate::dwell::DwellHeader;
 use crate::messages::{ForTopic, Message};
+use crate::printable::printable;
 use crate::recording::{Gap, Recorded, RecordingError};
 use crate::topic::Topic;
 
@@ -144,6 +145,9 @@ impl<B: Iterator<Item = Block>> Reader<B> {
                 Block::Spoilt { offset, message } => {
                     return Some(Err(RecordingError::Container { message: format!("byte {offset}: {message}") }));
                 }
+                Block::NotSupported { offset, message } => {
+                    return Some(Err(RecordingError::NotSupported { message: format!("byte {offset}: {message}") }));
+                }
                 Block::End(end) => self.end = Some(end),
             }
         }
@@ -180,27 +184,31 @@ impl Chunk {
         while let Some((opcode, content)) = self.record() {
             let damaged = |error: mcap::McapError| ("container".to_string(), error.to_string());
             match opcode {
+                _ if !lengths::fit(opcode, content) => {
+                    return Err(("container".into(), "a length in a record is greater than the record".into()));
+                }
                 op::SCHEMA => {
                     if let Record::Schema { header, .. } = mcap::parse_record(opcode, content).map_err(damaged)? {
-                        schemas.insert(header.id, header.name);
+                        schemas.insert(header.id, printable(&header.name));
                     }
                 }
                 op::CHANNEL => {
                     if let Record::Channel(channel) = mcap::parse_record(opcode, content).map_err(damaged)? {
-                        let last = channel.topic.rsplit('/').next().unwrap_or_default();
+                        let name = printable(&channel.topic);
+                        let last = name.rsplit('/').next().unwrap_or_default();
                         let topic = Topic::from_name(last);
                         if let (Some(topic), ENCODING) = (topic, channel.message_encoding.as_str()) {
                             let (ours, found) = (schema(topic).0, schemas.get(&channel.schema_id));
                             let known = match found.filter(|found| *found != ours) {
-                                None => Channel::Messages(topic, channel.topic.clone()),
+                                None => Channel::Messages(topic, name),
                                 Some(found) => {
                                     let says = format!("recorded as {found}, this version reads {ours}");
-                                    Channel::Foreign(Some((channel.topic.clone(), says)))
+                                    Channel::Foreign(Some((name, says)))
                                 }
                             };
                             channels.insert(channel.id, known);
                         } else if last == GAPS {
-                            channels.insert(channel.id, Channel::Gaps(channel.topic.clone()));
+                            channels.insert(channel.id, Channel::Gaps(name));
                         }
                     }
                 }

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use mcap::records::{MessageHeader, Metadata};
 
 use super::{COUNTS, DESCRIPTION, Description, ENCODING, GAP_SCHEMA, GAPS, encode, schema};
-use crate::recording::{Gap, GapReason, RecordedRef, RecordingError};
+use crate::recording::{Gap, GapReason, LogTime, RecordedRef, RecordingError};
 use crate::topic::{TOPICS, Topic};
 
 /// Writes a container. What has been written is on its way to the file after [`Writer::flush`].
@@ -24,11 +24,18 @@ pub struct Writer<W: Write + Seek> {
     open: Vec<Gap>,
     /// Gaps in the open chunk.
     open_gaps: Vec<Gap>,
-    /// Measurement time of the last message that has one, ns UTC.
-    time_ns: u64,
+    /// Messages with their payloads, until a measurement gives them a time.
+    log_time: LogTime<(Filed, Vec<u8>)>,
     written: Rc<Cell<u64>>,
     /// Bytes up to the end of the last whole chunk.
     safe: u64,
+}
+
+/// Where a message belongs.
+#[derive(Debug, Clone, Copy)]
+struct Filed {
+    channel_id: u16,
+    sequence: u32,
 }
 
 impl<W: Write + Seek> Writer<W> {
@@ -72,7 +79,7 @@ impl<W: Write + Seek> Writer<W> {
             open_bytes: 0,
             open: Vec::new(),
             open_gaps: Vec::new(),
-            time_ns: 0,
+            log_time: LogTime::new(description.session),
             written,
             safe: 0,
         };
@@ -91,10 +98,8 @@ impl<W: Write + Seek> Writer<W> {
         }
         self.payload.clear();
         encode(message, &mut self.payload)?;
-        if message.time_ns() > 0 {
-            self.time_ns = message.time_ns();
-        }
-        self.append(self.channels[message.topic() as usize], message.seq(), self.time_ns)
+        let channel_id = self.channels[message.topic() as usize];
+        self.file(Filed { channel_id, sequence: message.seq() as u32 }, message.time_ns())
     }
 
     /// Appends the note that messages are missing here.
@@ -104,14 +109,32 @@ impl<W: Write + Seek> Writer<W> {
     pub fn write_gap(&mut self, gap: &Gap) -> Result<(), RecordingError> {
         self.open_gaps.push(*gap);
         self.payload = serde_json::to_vec(gap).map_err(std::io::Error::from)?;
-        self.append(self.gaps, gap.first_seq, self.time_ns)
+        self.file(Filed { channel_id: self.gaps, sequence: gap.first_seq as u32 }, 0)
     }
 
-    fn append(&mut self, channel_id: u16, seq: u64, time_ns: u64) -> Result<(), RecordingError> {
-        let header = MessageHeader { channel_id, sequence: seq as u32, log_time: time_ns, publish_time: time_ns };
-        self.open_bytes += self.payload.len() as u64;
-        self.mcap.write_to_known_channel(&header, &self.payload).map_err(write_error)?;
+    /// Writes the payload under its time, after those that have waited for one; or lets it wait.
+    fn file(&mut self, filed: Filed, time_ns: u64) -> Result<(), RecordingError> {
+        let Some(time_ns) = self.log_time.of(time_ns) else {
+            self.log_time.wait((filed, self.payload.clone()));
+            return Ok(());
+        };
+        self.append_waiting(time_ns)?;
+        let payload = std::mem::take(&mut self.payload);
+        self.append(filed, &payload, time_ns)?;
+        self.payload = payload;
         if self.open_bytes >= self.chunk_bytes { self.flush() } else { Ok(()) }
+    }
+
+    fn append_waiting(&mut self, time_ns: u64) -> Result<(), RecordingError> {
+        let waiting = self.log_time.take_waiting();
+        waiting.iter().try_for_each(|(filed, payload)| self.append(*filed, payload, time_ns))
+    }
+
+    fn append(&mut self, filed: Filed, payload: &[u8], time_ns: u64) -> Result<(), RecordingError> {
+        let Filed { channel_id, sequence } = filed;
+        let header = MessageHeader { channel_id, sequence, log_time: time_ns, publish_time: time_ns };
+        self.open_bytes += payload.len() as u64;
+        self.mcap.write_to_known_channel(&header, payload).map_err(write_error)
     }
 
     /// Messages that are not in a whole chunk of the file yet: missing if writing fails now.
@@ -134,11 +157,15 @@ impl<W: Write + Seek> Writer<W> {
         self.safe
     }
 
-    /// Closes the chunk, so that everything so far survives the end of the process.
+    /// Closes the chunk, so that everything so far survives the end of the process, but for what was said before the first
+    /// measurement and waits for it.
     ///
     /// # Errors
     /// `out` fails; nothing can be written afterwards.
     pub fn flush(&mut self) -> Result<(), RecordingError> {
+        if self.log_time.is_waiting() {
+            return Ok(()); // nothing else is in the chunk
+        }
         self.mcap.flush().map_err(write_error)?;
         self.open.clear();
         self.open_gaps.clear();
@@ -152,6 +179,8 @@ impl<W: Write + Seek> Writer<W> {
     /// # Errors
     /// `out` fails: the file ends after its last whole chunk.
     pub fn finish(mut self) -> Result<(), RecordingError> {
+        let time_ns = self.log_time.at_last();
+        self.append_waiting(time_ns)?;
         self.mcap.finish().map_err(write_error)?;
         self.mcap.into_inner().flush().map_err(RecordingError::Io)
     }
