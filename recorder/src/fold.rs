@@ -65,8 +65,9 @@ impl Progress {
             Some((first.min(from), last.max(to)))
         };
         let stamps = &header.stamps;
-        if stamps.source_out_ns != 0 && stamps.tracks_out_ns != 0 {
-            self.wall_ns = extend(self.wall_ns, stamps.source_out_ns, stamps.tracks_out_ns);
+        if stamps.tracks_out_ns != 0 {
+            let from_ns = if stamps.source_out_ns == 0 { stamps.tracks_out_ns } else { stamps.source_out_ns };
+            self.wall_ns = extend(self.wall_ns, from_ns, stamps.tracks_out_ns);
         }
         self.measured_ns = extend(self.measured_ns, header.time_ns, header.time_ns);
     }
@@ -84,7 +85,7 @@ impl Fold {
             config: config.clone(),
             losses: Losses::new(|topic| first_position(config, topic)),
             books: Books::default(),
-            latencies: Latencies::new(&config.budget),
+            latencies: Latencies::new(&config.budget, config.run.speed),
             processes: Processes::default(),
             scoring: Scoring::new(config),
             progress: Progress::default(),

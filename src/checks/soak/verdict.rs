@@ -35,19 +35,14 @@ pub(super) fn findings(
         let reached = report.realtime_factor;
         findings.push(format!("{reached:.2} × real time reached, {factor} × requested: the chain is too slow for it"));
     }
-    // Dwells go to a plot extractor only.
-    let first = if common::topology::runs(chain, "plot-extractor") { 0 } else { Latency::HopPlots as usize };
-    for name in &LATENCY_NAMES[first..] {
+    for (name, _) in LATENCY_NAMES.iter().zip(Latency::ALL).filter(|&(_, latency)| has_values(chain, latency)) {
         if report.latency_us.get(*name).is_none_or(|latency| latency.n == 0) {
             findings.push(format!("{name}: no values, its budget cannot be checked"));
         }
     }
-    for (name, limits) in LATENCY_NAMES.iter().zip(chain.budget.all()) {
-        let Some(budget) = report.budget.get(*name) else { continue };
-        // At full speed queues are full by design: the radar's own limit is not for that.
-        let given = |percentile: f64| limits.further().any(|(other, _)| (other - percentile).abs() < 1e-9);
-        let judged = budget.limits.iter().filter(|limit| chain.run.speed != Speed::Max || given(limit.percentile));
-        for limit in judged.filter(|limit| !limit.ok) {
+    for name in LATENCY_NAMES {
+        let Some(budget) = report.budget.get(name) else { continue };
+        for limit in budget.limits.iter().filter(|limit| limit.applied && !limit.ok) {
             let (percentile, value, limit) = (limit.percentile, limit.value_us, limit.limit_us);
             findings.push(format!("{name}: p{percentile} is {value:.0} µs, its budget {limit:.0} µs"));
         }
@@ -74,6 +69,16 @@ pub(super) fn findings(
         findings.push("a stage completed with a fault or had to be restarted".into());
     }
     findings
+}
+
+/// Whether a latency has values in this chain: the stages that it is between must run.
+fn has_values(chain: &ChainConfig, latency: Latency) -> bool {
+    let runs = |stage| common::topology::runs(chain, stage);
+    match latency {
+        Latency::HopDwells | Latency::Extract => runs("plot-extractor"),
+        Latency::HopPlots | Latency::Track | Latency::EndToEnd | Latency::Scan => runs("tracker"),
+        Latency::Record => true,
+    }
 }
 
 /// What is missing of the time or the scans that were asked for.
