@@ -41,6 +41,21 @@ fn too_small_at_the_start_is_one_line() {
     assert!(said.contains("/dev/shm has") && said.trim().lines().count() == 1, "{said}");
 }
 
+/// With little address space a stage cannot map the memory of the one before it: it must not go on without its messages.
+#[test]
+fn a_publisher_that_cannot_be_mapped_is_told() {
+    let bench = Bench::new();
+    let mut command = bench.command("run", &small_config());
+    command.args(["--scans", "4", "--set", "supervision.max_restarts=2"]);
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    let words: Vec<String> = words.map(|word| format!("'{}'", word.to_string_lossy().replace('\'', "'\\''"))).collect();
+    let script = format!("ulimit -v 55000 && exec {}", words.join(" "));
+    let run = output(std::process::Command::new("sh").current_dir(bench.path("")).args(["-c", &script]));
+    assert_eq!(run.status.code(), Some(3), "{}", text_of(&run));
+    assert!(text_of(&run).contains("cannot be mapped"), "{}", text_of(&run));
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+}
+
 #[test]
 fn filled_by_others_it_stops_nothing() {
     let bench = Bench::new();

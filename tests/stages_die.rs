@@ -67,6 +67,28 @@ fn every_stage_comes_back_and_the_loss_is_reported() {
 }
 
 #[test]
+fn a_recorder_that_dies_while_the_chain_ends_still_leaves_the_report() {
+    let bench = Bench::new();
+    let running = bench.start(&["--scans", "0", "--speed", "1"]);
+    let before = bench.wait_for("scans", |status| pids(status).filter(|_| scan(status) >= Some(4)));
+    // It stands still, so that the chain is ending when it dies.
+    signal(before[3], "STOP");
+    signal(running.pid(), "TERM");
+    let began = std::time::Instant::now();
+    while std::path::Path::new(&format!("/proc/{}", before[0])).exists() && began.elapsed() < support::DEADLINE {
+        std::thread::yield_now();
+    }
+    signal(before[3], "KILL");
+    let output = running.end();
+    assert_eq!(output.status.code(), Some(1), "{}", text_of(&output));
+    assert!(text_of(&output).contains("recorder ended by signal 9: starting it again"), "{}", text_of(&output));
+    assert!(bench.report().scans >= 3, "{}", text_of(&output));
+    let drafts = std::fs::read_dir(bench.path("")).expect("the folder").flatten();
+    assert!(!drafts.into_iter().any(|entry| entry.file_name().to_string_lossy().ends_with(".tmp")));
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+}
+
+#[test]
 fn a_source_that_dies_in_its_last_scan_ends_the_run_and_repeats_nothing() {
     let bench = Bench::new();
     // Scans of five seconds: the last one is seen before it is over.

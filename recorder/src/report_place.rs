@@ -33,6 +33,9 @@ impl ReportPlace {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(refuse)?;
         }
+        if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+            return Err(refuse(std::io::Error::other("it exists and is no regular file")));
+        }
         // Of its own: another chain may write its report to the same place.
         let draft = path.with_extension(format!("json.{chain}.tmp"));
         let file = File::create(&draft).map_err(refuse)?;
