@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use common::config::MetricsConfig;
 use common::health::{Condition, Health, LatencySummary, RealtimeSetting};
@@ -20,6 +20,8 @@ use super::board::{Board, SiteBoard};
 
 /// A slower scraper is disconnected.
 const TIMEOUT: Duration = Duration::from_secs(2);
+/// Scrapers that are answered at the same time; more are disconnected.
+const SCRAPERS: usize = 16;
 /// A process that has said nothing for so long is not up, s.
 const SILENT_S: f64 = 10.0;
 /// Longest request that is read, bytes.
@@ -41,12 +43,25 @@ impl Metrics {
         let listener = TcpListener::bind(wanted).map_err(refused)?;
         let address = listener.local_addr().map_err(refused)?;
         let shown = Arc::clone(&page);
-        std::thread::Builder::new().name("metrics".into()).spawn(move || {
+        let named = |name: &str| std::thread::Builder::new().name(name.into());
+        named("metrics").spawn(move || {
+            // Each in a thread of its own: one that is slow keeps nobody waiting.
+            let served = Arc::new(());
             for stream in listener.incoming().flatten() {
+                if Arc::strong_count(&served) > SCRAPERS {
+                    continue;
+                }
                 let text = shown.lock().unwrap_or_else(PoisonError::into_inner).clone();
-                let _ = answer(stream, &text); // a scraper that has gone away is no loss
+                let place = Arc::clone(&served);
+                let _ = named("scraper").spawn(move || {
+                    let _ = answer(stream, &text); // a scraper that has gone away is no loss
+                    drop(place);
+                });
             }
         })?;
+        if !wanted.ip().is_loopback() {
+            common::process::say(&format!("metrics.listen = {wanted}: whoever reaches this address reads the metrics"));
+        }
         common::process::say(&format!("metrics on http://{address}/metrics"));
         Ok(Self { page, address: Some(address) })
     }
@@ -62,16 +77,20 @@ impl Metrics {
 
 /// Answers one request.
 fn answer(mut stream: TcpStream, page: &str) -> std::io::Result<()> {
-    stream.set_read_timeout(Some(TIMEOUT))?;
+    let until = Instant::now() + TIMEOUT;
     stream.set_write_timeout(Some(TIMEOUT))?;
     let (mut request, mut length) = ([0; REQUEST], 0);
     while length < REQUEST && !request[..length].windows(4).any(|end| end == b"\r\n\r\n") {
+        // For the whole request: a byte now and then is no reason to wait on.
+        let left = until.saturating_duration_since(Instant::now()).max(Duration::from_millis(1));
+        stream.set_read_timeout(Some(left))?;
         match stream.read(&mut request[length..])? {
             0 => break,
             more => length += more,
         }
     }
-    let found = request.starts_with(b"GET / ") || request.starts_with(b"GET /metrics ");
+    let path = request.strip_prefix(b"GET ").and_then(|rest| rest.split(|&byte| byte == b' ' || byte == b'?').next());
+    let found = path.is_some_and(|path| path == b"/" || path == b"/metrics");
     let (status, body) = if found { ("200 OK", page) } else { ("404 Not Found", "see /metrics\n") };
     write!(
         stream,
