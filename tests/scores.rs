@@ -70,6 +70,17 @@ fn a_replay_of_plots_has_the_latencies_of_its_own_stages_and_passes_a_soak() {
 }
 
 #[test]
+fn plots_that_do_not_fit_into_their_message_are_counted() {
+    let bench = Bench::new();
+    let crowd = ["--set", "extractor.pfa=0.01", "--set", "radar.sectors_per_scan=1", "--scans", "2"];
+    let run = bench.run(&[&crowd[..], &["--set", "radar.ranges=400"]].concat());
+    assert_eq!(run.status.code(), Some(0), "{}", text_of(&run));
+    let detection = bench.report().detection;
+    assert_eq!(detection.plots, 2 * 1024, "{}", text_of(&run));
+    assert!(detection.left_out > 0 && text_of(&run).contains("left out of full messages"), "{}", text_of(&run));
+}
+
+#[test]
 fn scores_of_tracks_alone_say_nothing_of_plots() {
     let bench = Bench::new();
     assert_eq!(bench.run(&["--scans", "8"]).status.code(), Some(0));

@@ -192,7 +192,9 @@ impl SiteRecorder {
         if let Some(recording) = &mut recording {
             let earlier = recording.earlier_parts();
             read_again(&earlier, &mut fold, recording)?;
-            fold.rejoin();
+            if !earlier.is_empty() {
+                fold.rejoin();
+            }
             match recording.begin(&fold.counts()) {
                 Err(error) if earlier.is_empty() => return Err(BadInput(error.to_string()).into()),
                 // In the middle of a run the chain is worth more than its recording.

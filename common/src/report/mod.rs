@@ -223,6 +223,9 @@ pub struct Detection {
     pub pd_measured: Option<f64>,
     /// Plots.
     pub plots: u64,
+    /// Plots found and left out, because their message was full.
+    #[serde(default)]
+    pub left_out: u64,
     /// Sights of visible targets that were too close to another to count in the shares and errors.
     pub unresolved: Option<u64>,
     /// Plots near no target (clutter included).

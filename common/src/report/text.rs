@@ -121,6 +121,7 @@ impl Detection {
         writeln!(out, "\ndetection")?;
         let mut lines = Lines(out);
         lines.whole("plots", Some(self.plots))?;
+        lines.whole("left out of full messages", Some(self.left_out).filter(|&left_out| left_out > 0))?;
         lines.whole("false plots", self.false_plots)?;
         lines.whole("looks at unresolved targets", self.unresolved)?;
         lines.share("detected", self.pd_measured)?;

@@ -124,7 +124,7 @@ impl Cooperative {
 
     /// Takes note of the radar's cells and its scan period.
     pub fn see(&mut self, header: &PlotsHeader) {
-        self.reach = Some(Reach::of_plots(header));
+        self.reach = Reach::of_plots(header).or(self.reach);
         self.scan_period_s = header.scan_period_s;
     }
 

@@ -56,6 +56,7 @@ pub struct PlotScore {
 #[derive(Debug, Default, Clone, Copy)]
 struct Counts {
     plots: u64,
+    left_out: u64,
     visible: u64,
     unresolved: u64,
     detected: u64,
@@ -94,6 +95,7 @@ impl PlotScore {
     /// Takes the plots of a sector.
     pub fn plots(&mut self, header: &PlotsHeader, plots: &[Plot]) {
         self.counts.plots += plots.len() as u64;
+        self.counts.left_out += u64::from(header.left_out);
         if header.cells > 0 {
             self.cells += header.cells as f64 * (1.0 - self.clutter.share);
             let candidate = |&plot: &Plot| Candidate { plot, of_target: false, near_target: false };
@@ -147,6 +149,7 @@ impl PlotScore {
             pd_expected: pfa_set.and_then(|_| per_visible(self.expected)),
             pd_measured: per_visible(counts.detected as f64),
             plots: counts.plots,
+            left_out: counts.left_out,
             unresolved: with_truth.then_some(counts.unresolved),
             false_plots: with_truth.then_some(counts.false_plots),
             normalised_error_squared: squares

@@ -29,10 +29,11 @@ impl Reach {
         }
     }
 
-    /// Of the radar that sent these plots.
-    pub(super) fn of_plots(header: &PlotsHeader) -> Self {
+    /// Of the radar that sent these plots, if they say.
+    pub(super) fn of_plots(header: &PlotsHeader) -> Option<Self> {
         let PlotsHeader { cell_range_m, cell_azimuth_rad, cell_elevation_rad, .. } = *header;
-        Self { range_m: cell_range_m, azimuth_rad: cell_azimuth_rad, elevation_rad: cell_elevation_rad }
+        let reach = Self { range_m: cell_range_m, azimuth_rad: cell_azimuth_rad, elevation_rad: cell_elevation_rad };
+        (cell_range_m > 0.0).then_some(reach)
     }
 
     /// Whether the radar measures elevation.

@@ -151,7 +151,7 @@ impl Simulated {
 
     /// Takes note of the radar's cells.
     pub fn see(&mut self, header: &PlotsHeader) {
-        self.reach = Reach::of_plots(header);
+        self.reach = Reach::of_plots(header).unwrap_or(self.reach);
         self.beam_scans = self.beam_scans.max(header.cell_azimuth_rad / TAU);
     }
 
