@@ -50,6 +50,10 @@ fn metrics_are_read_by_an_independent_parser() {
         assert!(value("radar_open_files", "process", process) > 3.0);
         assert!((value("radar_up", "process", process) - 1.0).abs() < 1e-9);
     }
+    assert!((value("radar_build_info", "version", env!("CARGO_PKG_VERSION")) - 1.0).abs() < 1e-9);
+    let confirmed = scrape.samples.iter().filter(|sample| sample.metric == "radar_tracks_confirmed");
+    let processes: Vec<_> = confirmed.filter_map(|sample| sample.labels.get("process")).collect();
+    assert_eq!(processes, ["tracker"], "others have none");
     assert!(value("radar_messages_received_total", "topic", "plots") > 50.0);
     assert!(value("radar_messages_lost_total", "topic", "plots").abs() < 1e-9);
     assert!(value("radar_messages_published_total", "process", "radar-sim") > 500.0);

@@ -70,6 +70,23 @@ fn a_replay_of_plots_has_the_latencies_of_its_own_stages_and_passes_a_soak() {
 }
 
 #[test]
+fn every_recording_keeps_its_report() {
+    let bench = Bench::new();
+    for seed in ["1", "2"] {
+        assert_eq!(bench.run(&["--scans", "4", "--seed", seed]).status.code(), Some(0));
+    }
+    let seeds: Vec<u64> = bench
+        .recordings()
+        .iter()
+        .map(|recording| {
+            let run = recording.display().to_string().replace(".000.mcap", ".report.json");
+            bench.report_at(&run).seed
+        })
+        .collect();
+    assert_eq!(seeds, [1, 2]);
+}
+
+#[test]
 fn plots_that_do_not_fit_into_their_message_are_counted() {
     let bench = Bench::new();
     let crowd = ["--set", "extractor.pfa=0.01", "--set", "radar.sectors_per_scan=1", "--scans", "2"];

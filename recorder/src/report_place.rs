@@ -8,8 +8,15 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use common::config::Sites;
 use common::process::BadInput;
+use common::recording::run_and_part;
 use common::report::{ChainReport, Report};
 use rustix::fs::{FallocateFlags, fallocate};
+
+/// Where the report of a recorded run lies beside the parts of its recording: `<site>-<run>.report.json`.
+pub(crate) fn report_beside(part: &Path) -> Option<PathBuf> {
+    let (run, _) = run_and_part(part)?;
+    Some(part.with_file_name(format!("{run}.report.json")))
+}
 
 /// Room for a report: more than the longest lists of misses and gaps need.
 const ROOM_BYTES: u64 = 1 << 20;

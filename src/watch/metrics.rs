@@ -17,6 +17,7 @@ use common::time::monotonic_ns;
 use common::units::NS_PER_S;
 
 use super::board::{Board, SiteBoard};
+use crate::stages::name::LAUNCHER;
 
 /// A slower scraper is disconnected.
 const TIMEOUT: Duration = Duration::from_secs(2);
@@ -121,7 +122,7 @@ const FIGURES: [Figure; 15] = [
     ("radar_resident_memory_bytes", "gauge", "Resident memory", |health| health.rss_bytes as f64),
     ("radar_open_files", "gauge", "Open file descriptors", |health| f64::from(health.files)),
     ("radar_plots", "gauge", "Plots of the last whole scan", |health| f64::from(health.plots)),
-    ("radar_tracks", "gauge", "Tracks alive, or true targets of a source", |health| f64::from(health.tracks)),
+    ("radar_tracks", "gauge", "Tracks alive", |health| f64::from(health.tracks)),
     ("radar_tracks_confirmed", "gauge", "Tracks confirmed", |health| f64::from(health.confirmed)),
     (
         "radar_restarts_total",
@@ -136,16 +137,32 @@ const FIGURES: [Figure; 15] = [
     }),
 ];
 
+/// Whether a figure says something of a process: only a tracker has tracks, only who makes or takes plots has those.
+fn applies(figure: &str, process: &str) -> bool {
+    let is = |names: &[&str]| names.contains(&process);
+    match figure {
+        "radar_plots" => is(&[plot_extractor::process::NAME, tracker::process::NAME]),
+        "radar_tracks" | "radar_tracks_confirmed" => is(&[tracker::process::NAME]),
+        "radar_restarts_total" => is(&[LAUNCHER]),
+        _ => true,
+    }
+}
+
 /// The whole page.
 fn page(board: &Board) -> String {
     let mut text = String::new();
+    let (version, git) = (env!("CARGO_PKG_VERSION"), option_env!("RADAR_CHAIN_GIT").unwrap_or("unknown"));
+    let _ = writeln!(text, "# HELP radar_build_info Version of the program\n# TYPE radar_build_info gauge");
+    let _ = writeln!(text, "radar_build_info{{version=\"{version}\",git=\"{git}\"}} 1");
     let head = |text: &mut String, name: &str, kind: &str, help: &str| {
         let _ = writeln!(text, "# HELP {name} {help}\n# TYPE {name} {kind}");
     };
     for (name, kind, help, value) in FIGURES {
         head(&mut text, name, kind, help);
         for_each_process(board, |labels, health| {
-            let _ = writeln!(text, "{name}{{{labels}}} {}", value(health));
+            if applies(name, health.process.as_str()) {
+                let _ = writeln!(text, "{name}{{{labels}}} {}", value(health));
+            }
         });
     }
     head(&mut text, "radar_starts_total", "counter", "Starts of the process, whoever started it");

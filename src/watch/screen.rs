@@ -30,7 +30,8 @@ pub(crate) struct Screen {
 impl Screen {
     /// Standard error, as a terminal or not.
     pub(crate) fn new() -> Self {
-        Self { terminal: std::io::stderr().is_terminal(), drawn_lines: 0, last: None, left: None }
+        // At first there is nothing to show, and what a stage finds wrong comes alone.
+        Self { terminal: std::io::stderr().is_terminal(), drawn_lines: 0, last: Some(Instant::now()), left: None }
     }
 
     /// Says from now on how long the run still takes.

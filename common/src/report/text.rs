@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::latency::LATENCY_NAMES;
+
 use super::{Detection, LimitResult, Percentiles, Report, TrackSummary, Tracking};
 
 /// Gaps that the text names one by one.
@@ -77,14 +79,16 @@ impl Report {
         let [n, max] = ["n", "max"];
         writeln!(
             out,
-            "\n{:<12}{n:>9}{:>10}{:>10}{:>10}{:>10}{max:>10}   budget",
+            "\n{:<10}{n:>9}{:>8}{:>8}{:>8}{:>8}{max:>9}  budget",
             "latency µs", "p50", "p90", "p99", "p99.9"
         )?;
-        for (name, latency) in self.latency_us.iter().filter(|(_, latency)| latency.n > 0) {
+        // In the order of the way through the chain, as the live status has them.
+        let known = LATENCY_NAMES.iter().filter_map(|name| Some((*name, self.latency_us.get(*name)?)));
+        for (name, latency) in known.filter(|(_, latency)| latency.n > 0) {
             let Percentiles { n, p50, p90, p99, p999, max } = latency;
-            write!(out, "{name:<12}{n:>9}{p50:>10.0}{p90:>10.0}{p99:>10.0}{p999:>10.0}{max:>10.0}")?;
+            write!(out, "{name:<10}{n:>9}{p50:>8.0}{p90:>8.0}{p99:>8.0}{p999:>8.0}{max:>9.0}")?;
             for (place, limit) in self.budget.get(name).iter().flat_map(|budget| &budget.limits).enumerate() {
-                let separator = if place == 0 { "   " } else { ", " };
+                let separator = if place == 0 { "  " } else { ", " };
                 let verdict = match limit {
                     LimitResult { applied: false, .. } => "not applied".into(),
                     LimitResult { ok: true, .. } => format!("≤ {:.0}", limit.limit_us),

@@ -25,8 +25,10 @@ use super::Sink;
 pub(super) struct McapJson {
     mcap: mcap::Writer<BufWriter<File>>,
     channels: [u16; TOPICS],
-    /// Measurement time of the last message that has one, ns UTC.
+    /// Measurement time of the last message that has one, ns UTC; 0 before the first.
     time_ns: u64,
+    /// Channel, sequence and text of what came before it: it gets the first time, so that no file begins in 1970.
+    early: Vec<(u16, u32, Vec<u8>)>,
     text: Vec<u8>,
 }
 
@@ -62,7 +64,18 @@ impl McapJson {
             let channel = mcap.add_channel(schema, &format!("/{}", topic.name()), "json", &[].into());
             channels[topic as usize] = channel.map_err(failed)?;
         }
-        Ok(Self { mcap, channels, time_ns: 0, text: Vec::new() })
+        Ok(Self { mcap, channels, time_ns: 0, early: Vec::new(), text: Vec::new() })
+    }
+
+    fn append(&mut self, channel_id: u16, sequence: u32, text: &[u8]) -> Result<(), RecordingError> {
+        let (log_time, publish_time) = (self.time_ns, self.time_ns);
+        let header = MessageHeader { channel_id, sequence, log_time, publish_time };
+        self.mcap.write_to_known_channel(&header, text).map_err(failed)
+    }
+
+    fn append_early(&mut self) -> Result<(), RecordingError> {
+        let early = std::mem::take(&mut self.early);
+        early.iter().try_for_each(|(channel_id, sequence, text)| self.append(*channel_id, *sequence, text))
     }
 
     /// Turns a message into text; what is not known is left out.
@@ -92,13 +105,20 @@ impl Sink for McapJson {
         if message.time_ns() > 0 {
             self.time_ns = message.time_ns();
         }
-        let (channel_id, log_time) = (self.channels[message.topic() as usize], self.time_ns);
-        let header = MessageHeader { channel_id, sequence: message.seq() as u32, log_time, publish_time: log_time };
-        self.mcap.write_to_known_channel(&header, &self.text).map_err(failed)?;
+        let (channel_id, sequence) = (self.channels[message.topic() as usize], message.seq() as u32);
+        if self.time_ns == 0 {
+            self.early.push((channel_id, sequence, self.text.clone()));
+            return Ok(1);
+        }
+        self.append_early()?;
+        let text = std::mem::take(&mut self.text);
+        self.append(channel_id, sequence, &text)?;
+        self.text = text;
         Ok(1)
     }
 
     fn finish(mut self: Box<Self>) -> Result<(), RecordingError> {
+        self.append_early()?;
         self.mcap.finish().map_err(failed)?;
         Ok(())
     }

@@ -205,6 +205,7 @@ fn conclude(
             soak.ratio_to_reference.insert(name.into(), hop.p50 / reference.p50);
         }
     }
+    soak.not_judged.extend(verdict::machine_too_slow(report, &soak));
     soak.findings = verdict::findings(chain, report, &soak, asked, disturbed);
     soak.findings.extend(series.unwritten.clone());
     soak.ok = soak.findings.is_empty();

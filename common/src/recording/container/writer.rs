@@ -24,12 +24,24 @@ pub struct Writer<W: Write + Seek> {
     open: Vec<Gap>,
     /// Gaps in the open chunk.
     open_gaps: Vec<Gap>,
-    /// Measurement time of the last message that has one, ns UTC.
+    /// Measurement time of the last message that has one, ns UTC; 0 before the first.
     time_ns: u64,
+    /// What came before any measurement time was known: it gets the first one, so that no file begins in 1970.
+    early: Vec<Early>,
     written: Rc<Cell<u64>>,
     /// Bytes up to the end of the last whole chunk.
     safe: u64,
 }
+
+/// A message without a time.
+struct Early {
+    channel_id: u16,
+    seq: u64,
+    payload: Vec<u8>,
+}
+
+/// Messages that wait for the first measurement time.
+const MOST_EARLY: usize = 1000;
 
 impl<W: Write + Seek> Writer<W> {
     /// Begins a container; a chunk is closed at `chunk_bytes`. `counts` is what the caller has counted so far
@@ -73,6 +85,7 @@ impl<W: Write + Seek> Writer<W> {
             open: Vec::new(),
             open_gaps: Vec::new(),
             time_ns: 0,
+            early: Vec::new(),
             written,
             safe: 0,
         };
@@ -93,8 +106,9 @@ impl<W: Write + Seek> Writer<W> {
         encode(message, &mut self.payload)?;
         if message.time_ns() > 0 {
             self.time_ns = message.time_ns();
+            self.append_early()?;
         }
-        self.append(self.channels[message.topic() as usize], message.seq(), self.time_ns)
+        self.append(self.channels[message.topic() as usize], message.seq())
     }
 
     /// Appends the note that messages are missing here.
@@ -104,10 +118,33 @@ impl<W: Write + Seek> Writer<W> {
     pub fn write_gap(&mut self, gap: &Gap) -> Result<(), RecordingError> {
         self.open_gaps.push(*gap);
         self.payload = serde_json::to_vec(gap).map_err(std::io::Error::from)?;
-        self.append(self.gaps, gap.first_seq, self.time_ns)
+        self.append(self.gaps, gap.first_seq)
     }
 
-    fn append(&mut self, channel_id: u16, seq: u64, time_ns: u64) -> Result<(), RecordingError> {
+    /// Appends the payload with the measurement time, once there is one.
+    fn append(&mut self, channel_id: u16, seq: u64) -> Result<(), RecordingError> {
+        if self.time_ns == 0 && self.early.len() < MOST_EARLY {
+            self.early.push(Early { channel_id, seq, payload: self.payload.clone() });
+            return Ok(());
+        }
+        self.append_now(channel_id, seq)
+    }
+
+    fn append_early(&mut self) -> Result<(), RecordingError> {
+        if self.early.is_empty() {
+            return Ok(());
+        }
+        let payload = std::mem::take(&mut self.payload);
+        for early in std::mem::take(&mut self.early) {
+            self.payload = early.payload;
+            self.append_now(early.channel_id, early.seq)?;
+        }
+        self.payload = payload;
+        Ok(())
+    }
+
+    fn append_now(&mut self, channel_id: u16, seq: u64) -> Result<(), RecordingError> {
+        let time_ns = self.time_ns;
         let header = MessageHeader { channel_id, sequence: seq as u32, log_time: time_ns, publish_time: time_ns };
         self.open_bytes += self.payload.len() as u64;
         self.mcap.write_to_known_channel(&header, &self.payload).map_err(write_error)?;
@@ -152,6 +189,7 @@ impl<W: Write + Seek> Writer<W> {
     /// # Errors
     /// `out` fails: the file ends after its last whole chunk.
     pub fn finish(mut self) -> Result<(), RecordingError> {
+        self.append_early()?;
         self.mcap.finish().map_err(write_error)?;
         self.mcap.into_inner().flush().map_err(RecordingError::Io)
     }
@@ -191,5 +229,31 @@ fn write_error(error: mcap::McapError) -> RecordingError {
     match error {
         mcap::McapError::Io(error) => RecordingError::Io(error),
         other => RecordingError::Container { message: other.to_string() },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::health::{Health, HealthHeader};
+    use crate::plots::PlotsHeader;
+
+    #[test]
+    fn a_recording_begins_with_its_first_measurement() {
+        const FIRST_NS: u64 = 1_767_225_600_000_000_000;
+        let mut file = std::io::Cursor::new(Vec::new());
+        let mut writer = Writer::new(&mut file, &Description::default(), "", 1 << 20).expect("a container");
+        let header = |seq| HealthHeader { session: 1, seq };
+        writer.write(RecordedRef::HealthReports(&header(0), &[Health::default()])).expect("written");
+        writer.flush().expect("written");
+        let plots = PlotsHeader { time_ns: FIRST_NS, ..PlotsHeader::default() };
+        writer.write(RecordedRef::Plots(&plots, &[])).expect("written");
+        writer.write(RecordedRef::HealthReports(&header(1), &[Health::default()])).expect("written");
+        writer.finish().expect("written");
+        let file = file.into_inner();
+        let summary = mcap::Summary::read(&file).expect("a whole file").expect("with a summary");
+        let stats = summary.stats.expect("statistics");
+        assert_eq!((stats.message_start_time, stats.message_end_time), (FIRST_NS, FIRST_NS));
+        assert_eq!(stats.message_count, 3);
     }
 }
