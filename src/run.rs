@@ -9,6 +9,7 @@ use common::ipc::{Domain, Flow, IpcError};
 use common::process::{BadInput, EXIT_CHECK_BROKEN, print, say, signals};
 use common::report::ChainReport;
 
+use crate::checks::machine::allow_files;
 use crate::claim::Claim;
 use crate::stages::name::LAUNCHER;
 use crate::stages::orphans::{Orphans, configuration};
@@ -62,6 +63,7 @@ pub(crate) fn launch(
     mut sites: Sites,
     companion: &mut dyn Companion,
 ) -> anyhow::Result<Result<Outcome, ExitCode>> {
+    allow_files(sites.all().len())?;
     let orphans = Orphans::find(&sites)?;
     if let Some(orphans) = &orphans {
         sites = orphans.sites.clone();

@@ -281,3 +281,26 @@ pub(super) fn clean_dead_nodes(config: &Config) {
         CallbackProgression::Continue
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::{Duration, SystemTime};
+
+    #[test]
+    fn files_of_a_domain_that_is_kept_fresh_are_young() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let root = folder.path().join("radar-chain-x");
+        std::fs::create_dir_all(root.join("services")).expect("folders");
+        let files = [root.join("chain.toml"), root.join("services/one"), root.with_extension("lock")];
+        let old = SystemTime::now() - Duration::from_secs(20 * 86_400);
+        for file in &files {
+            std::fs::File::create(file).and_then(|file| file.set_modified(old)).expect("an old file");
+        }
+        Domain { file_prefix: String::new(), root, config: Config::default() }.keep_fresh();
+        for file in &files {
+            let modified = std::fs::metadata(file).and_then(|about| about.modified()).expect("a time");
+            assert!(modified > old + Duration::from_secs(86_400), "{}", file.display());
+        }
+    }
+}

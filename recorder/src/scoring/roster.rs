@@ -73,9 +73,12 @@ impl Roster {
         if header.flags & END_OF_STREAM == 0 {
             let longest = self.scan_period_s * ENDED_SCANS;
             let now_ns = self.now_ns;
-            let silent = self.alive.extract_if(.., |_, entry| seconds_between(entry.last.time_ns, now_ns) > longest);
-            let silent: Vec<Entry> = silent.map(|(_, entry)| entry).collect();
-            silent.iter().for_each(|entry| self.end(entry));
+            let has_ended = |entry: &Entry| seconds_between(entry.last.time_ns, now_ns) > longest;
+            let (ended, alive) = std::mem::take(&mut self.alive).into_iter().partition(|(_, entry)| has_ended(entry));
+            self.alive = alive;
+            for entry in BTreeMap::into_values(ended) {
+                self.end(&entry);
+            }
         }
     }
 
@@ -96,7 +99,9 @@ impl Roster {
         }
         let mut lives = self.lives.clone();
         let mut list: Vec<TrackLine> = self.alive.values().map(|entry| entry.line(true)).collect();
-        list.iter().for_each(|line| lives.saturating_record((line.life_s * 1000.0) as u64));
+        for line in &list {
+            lives.saturating_record((line.life_s * 1000.0) as u64);
+        }
         list.sort_by(|a, b| b.life_s.total_cmp(&a.life_s));
         list.extend_from_slice(&self.ended);
         list.truncate(TRACKS_LISTED);
