@@ -29,6 +29,27 @@ fn a_run_that_is_stopped_has_lost_no_track() {
     assert_eq!((tracking.targets, tracking.confirmed, tracking.lost), (Some(2), Some(2), Some(0)), "{tracking:?}");
 }
 
+/// The turn's number changes in the north: a track that goes on there is not lost, whichever way its target crosses.
+#[test]
+fn a_target_that_crosses_north_is_not_lost() {
+    let bench = Bench::new();
+    let target = |name: &str, y_m: f64, speed_mps: f64| {
+        let x_m = -7.3 * speed_mps;
+        format!(
+            "{{name='{name}', motion='straight', position_m=[{x_m:.1}, {y_m:.1}, 150.0], \
+             velocity_mps=[{speed_mps:.1}, 0.0, 0.0], snr_db=30.0, swerling='I'}}"
+        )
+    };
+    let targets = [("a", 900.0, 20.0), ("b", 1300.0, -20.0), ("c", 1900.0, 15.0), ("d", 2500.0, -25.0)];
+    let targets: Vec<String> = targets.map(|(name, y_m, speed_mps)| target(name, y_m, speed_mps)).into();
+    let targets = format!("sim.targets=[{}]", targets.join(", "));
+    let run = bench.run(&["--scans", "60", "--set", &targets]);
+    assert_eq!(run.status.code(), Some(0), "{}", text_of(&run));
+    let tracking = bench.report().tracking;
+    assert_eq!((tracking.targets, tracking.confirmed, tracking.false_tracks), (Some(4), Some(4), Some(0)));
+    assert_eq!((tracking.lost, tracking.id_changes), (Some(0), Some(0)), "{tracking:?}");
+}
+
 #[test]
 fn targets_of_a_radar_without_elevation_are_scored_in_its_plane() {
     let bench = Bench::new();
