@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::time::Duration;
 
-use common::config::{BudgetConfig, Speed};
+use common::config::{Budget, BudgetConfig, Speed};
 use common::health::LatencySummary;
 use common::latency::{LATENCIES, LATENCY_NAMES, Latency, LatencyHistograms};
 use common::latency_log::LatencyLog;
@@ -98,12 +98,18 @@ impl Latencies {
         if let Some(log) = &mut self.log {
             log.record(latency, from_ns, to_ns);
         }
-        let limits = self.budgets.all()[latency as usize];
-        let limit_ns = limits.limits().map(|(_, limit_us)| limit_us).fold(f64::INFINITY, f64::min) * 1000.0;
+        let budget = self.budgets.all()[latency as usize];
+        let applied = budget.limits().filter(|&(percentile, _)| self.applies(&budget, percentile));
+        let limit_ns = applied.map(|(_, limit_us)| limit_us).fold(f64::INFINITY, f64::min) * 1000.0;
         let took_ns = to_ns.saturating_sub(from_ns);
         if from_ns != 0 && to_ns != 0 && took_ns as f64 > limit_ns {
             self.misses[latency as usize].note(scan, took_ns);
         }
+    }
+
+    /// Whether the limit of a percentile applies.
+    fn applies(&self, budget: &Budget, percentile: f64) -> bool {
+        !self.full_speed || budget.further().any(|(given, _)| (given - percentile).abs() < 1e-9)
     }
 
     /// Percentiles by name.
@@ -117,9 +123,8 @@ impl Latencies {
         let results = named.zip(self.histograms.named()).map(|(((name, budget), misses), (_, histogram))| {
             let limit = |(percentile, limit_us): (f64, f64)| {
                 let value_us = histogram.value_at_quantile(percentile / 100.0) as f64 / 1000.0;
-                let given = budget.further().any(|(other, _)| (other - percentile).abs() < 1e-9);
                 let ok = histogram.is_empty() || value_us <= limit_us;
-                LimitResult { percentile, limit_us, value_us, ok, applied: given || !self.full_speed }
+                LimitResult { percentile, limit_us, value_us, ok, applied: self.applies(&budget, percentile) }
             };
             let limits: Vec<LimitResult> = budget.limits().map(limit).collect();
             let ok = limits.iter().all(|limit| limit.ok || !limit.applied);
@@ -182,6 +187,7 @@ mod tests {
             let budget = &latencies.budgets()["track"];
             assert_eq!(budget.ok, ok);
             assert_eq!((budget.limits[0].ok, budget.limits[0].applied), (false, false));
+            assert_eq!(latencies.misses().len(), usize::from(!ok));
         }
     }
 
