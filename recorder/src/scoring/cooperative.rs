@@ -1,6 +1,6 @@
 //! Tracks against truth from transponders, in the plane.
 //!
-//! Distances and times that the configuration leaves open follow from the radar's cells ([`Reach`]) and its scan period.
+//! Distances and times that the configuration leaves open follow from the radar's cells (module `reach`) and its scan period.
 //!
 //! **What counts.** A truth report counts if the target moves faster than `speed_min_mps` and
 //! is within `range_max_m` of the radar, or visible to it. It is followed if the track that its address has in

@@ -4,7 +4,7 @@
 //! passed the target, if that is within 0.6 scans; truth is moved to the time of the report
 //! by its velocity and acceleration. A track follows a target if it is confirmed or
 //! coasting, within the gate, and the one-to-one pairing of the scan gives it to the target
-//! ([`evaluation::following`]). The gate is `target_gate_m`, or else follows from the radar's cells ([`Reach`]).
+//! ([`evaluation::following`]). The gate is `target_gate_m`, or else follows from the radar's cells (module `reach`).
 //!
 //! - *confirmation*: passages from the first in which the target is visible to the first in which
 //!   it is followed, both included. Targets visible for fewer than `confirm_scans` count only if they are.
