@@ -1,15 +1,15 @@
 //! One launcher for a domain at a time: a lock that the kernel releases when the process dies.
 
 use std::fs::File;
-use std::os::unix::fs::MetadataExt;
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use common::config::IpcConfig;
-use common::ipc::Domain;
+use common::ipc::{Domain, IpcError};
 use common::process::BadInput;
-use rustix::fs::{FlockOperation, flock};
+use rustix::fs::{FlockOperation, OFlags, flock};
 
 /// Whoever tests whether a domain is locked holds the lock for less than this time.
 const TEST: Duration = Duration::from_millis(200);
@@ -28,7 +28,12 @@ impl Claim {
         std::fs::create_dir_all(&ipc.root).with_context(|| format!("creating {}", ipc.root))?;
         let began = Instant::now();
         loop {
-            let lock = File::options().create(true).append(true).open(&path);
+            // No link of another user's is followed, and no pipe waited for.
+            let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
+            let lock = File::options().create(true).append(true).mode(0o600).custom_flags(flags).open(&path);
+            if std::fs::symlink_metadata(&path).is_ok_and(|there| !there.is_file()) {
+                return Err(BadInput(format!("{} is no regular file: remove it", path.display())).into());
+            }
             if lock.as_ref().is_err_and(|error| error.kind() == std::io::ErrorKind::PermissionDenied) {
                 return Err(BadInput(format!(
                     "{} belongs to another user: stop that chain, or use another --ipc-prefix",
@@ -49,7 +54,12 @@ impl Claim {
                 .into());
             }
             // One that has just ended may have removed the file between the two calls.
-            let (held, named) = (lock.metadata()?, std::fs::metadata(&path));
+            let (held, named) = (lock.metadata()?, std::fs::symlink_metadata(&path));
+            let owner = held.uid();
+            if owner != rustix::process::geteuid().as_raw() {
+                let prefix = &ipc.prefix;
+                return Err(IpcError::OtherUser { prefix: prefix.clone(), owner }.into());
+            }
             if named.is_ok_and(|named| named.ino() == held.ino()) {
                 return Ok(Self { path, _lock: lock });
             }

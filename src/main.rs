@@ -361,7 +361,7 @@ fn main() -> ExitCode {
                 (true, _) => config::explained(&chain.load(Vec::new())?),
                 _ => chain.load(Vec::new())?.to_toml(),
             };
-            print!("{text}");
+            common::process::print(&text);
             Ok(ExitCode::SUCCESS)
         }),
         Command::Completions { shell } => common::process::run("radar-chain", || manual::print_completions(shell)),

@@ -5,13 +5,14 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use common::config::{Mode, Sites};
-use common::ipc::{Domain, Flow};
-use common::process::{BadInput, EXIT_CHECK_BROKEN, signals};
+use common::ipc::{Domain, Flow, IpcError};
+use common::process::{BadInput, EXIT_CHECK_BROKEN, print, say, signals};
 use common::report::ChainReport;
 
+use crate::checks::machine::allow_files;
 use crate::claim::Claim;
 use crate::stages::name::LAUNCHER;
-use crate::stages::orphans::Orphans;
+use crate::stages::orphans::{Orphans, configuration};
 use crate::stages::resume::run_id;
 use crate::stages::supervisor::{End, Supervisor};
 use crate::watch::board::Board;
@@ -49,8 +50,7 @@ pub(crate) fn run(sites: Sites) -> anyhow::Result<ExitCode> {
     match launch(&Claim::lock_domain(&sites.first().ipc)?, sites, &mut Alone)? {
         Err(code) => Ok(code),
         Ok(outcome) => {
-            print!("{}", outcome.report.to_text());
-            println!("report {report}");
+            print(&format!("{}report {report}\n", outcome.report.to_text()));
             let broken = outcome.lossy || outcome.disturbed;
             Ok(if broken { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })
         }
@@ -63,6 +63,7 @@ pub(crate) fn launch(
     mut sites: Sites,
     companion: &mut dyn Companion,
 ) -> anyhow::Result<Result<Outcome, ExitCode>> {
+    allow_files(sites.all().len())?;
     let orphans = Orphans::find(&sites)?;
     if let Some(orphans) = &orphans {
         sites = orphans.sites.clone();
@@ -83,7 +84,16 @@ pub(crate) fn launch(
         Domain::check_shared_memory(&sites)?;
     }
     let chain = sites.first();
-    let ended = supervise(&sites, orphans.as_ref(), companion);
+    let mut ended = supervise(&sites, orphans.as_ref(), companion);
+    if let (Some(orphans), Err(error)) = (&orphans, &ended)
+        && error.chain().any(|cause| matches!(cause.downcast_ref(), Some(IpcError::HalfMade { .. })))
+    {
+        // Nobody can join that chain any more: nothing of it could be started again.
+        say(&format!("{error:#}: ending its stages and starting the chain again"));
+        orphans.kill();
+        Domain::enter(&chain.ipc)?.remove();
+        ended = supervise(&sites, None, companion);
+    }
     if Orphans::are_gone(&sites)? {
         Domain::enter(&chain.ipc)?.remove();
     }
@@ -104,7 +114,7 @@ pub(crate) fn launch(
 /// Runs the processes to their end.
 fn supervise(sites: &Sites, orphans: Option<&Orphans>, companion: &mut dyn Companion) -> anyhow::Result<(End, u32)> {
     let (mut endpoint, wakes) = Endpoint::open(LAUNCHER, sites)?;
-    let file = Domain::root(&sites.first().ipc).join("chain.toml");
+    let file = configuration(sites);
     std::fs::write(&file, sites.to_toml()).with_context(|| format!("writing {}", file.display()))?;
 
     let mut screen = Screen::new();
@@ -141,8 +151,11 @@ fn supervise(sites: &Sites, orphans: Option<&Orphans>, companion: &mut dyn Compa
 /// Finds out before the run whether its report can be written.
 fn check_report_place(path: &Path) -> anyhow::Result<()> {
     let refuse = |reason: String| Err(BadInput(format!("cannot write report {}: {reason}", path.display())).into());
-    if path.is_dir() {
-        return refuse("it is a directory".into());
+    match std::fs::metadata(path) {
+        Ok(there) if there.is_dir() => return refuse("it is a directory".into()),
+        // The report is renamed into place: as root it would take the place of a device.
+        Ok(there) if !there.is_file() => return refuse("it exists and is no regular file".into()),
+        _ => {}
     }
     match path.parent().map(std::fs::create_dir_all) {
         Some(Err(error)) => refuse(error.to_string()),

@@ -9,7 +9,13 @@ use support::{Bench, output, small_config, text_of};
 /// Runs with `arguments` and `config`; expects exit code 2 and one line with all of `words`.
 fn refused(bench: &Bench, config: &std::path::Path, arguments: &[&str], words: &[&str]) {
     let result = output(bench.command("run", config).args(arguments));
-    let all = text_of(&result);
+    is_refusal(&result, words);
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+}
+
+/// Exit code 2, and one line with all of `words`.
+fn is_refusal(result: &std::process::Output, words: &[&str]) {
+    let all = text_of(result);
     assert_eq!(result.status.code(), Some(2), "{all}");
     let errors = String::from_utf8_lossy(&result.stderr);
     let lines: Vec<&str> = errors.lines().filter(|line| line.contains(": ")).collect();
@@ -17,7 +23,6 @@ fn refused(bench: &Bench, config: &std::path::Path, arguments: &[&str], words: &
     for word in words {
         assert!(lines[0].contains(word), "`{word}` is missing in: {all}");
     }
-    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
 }
 
 #[test]
@@ -66,6 +71,49 @@ fn places_that_cannot_be_written() {
     refused(&bench, &small_config(), &["--record", "file/inside"], &["file/inside"]);
     std::fs::create_dir(bench.path("folder")).expect("folder");
     refused(&bench, &small_config(), &["--report", "folder"], &["folder"]);
+    // As root a report would take the place of the device.
+    refused(&bench, &small_config(), &["--report", "/dev/null"], &["/dev/null", "no regular file"]);
+}
+
+#[test]
+fn names_that_no_socket_can_have() {
+    let bench = Bench::new();
+    let root = bench.path("").display().to_string().trim_end_matches('/').to_string();
+    let run = |command: &str, root: &str, length: usize| {
+        let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_radar-chain"));
+        process.current_dir(bench.path("")).arg(command).arg("--config").arg(small_config());
+        process.args(["--set", &format!("ipc.root='{root}'"), "--ipc-prefix", &"p".repeat(length)]);
+        output(if command == "run" { process.args(["--scans", "2"]) } else { &mut process })
+    };
+    let most = (42 - root.len()) / 2;
+    let longest = run("run", &root, most);
+    assert_eq!(longest.status.code(), Some(0), "what is accepted works: {}", text_of(&longest));
+    let words = format!("at most {most} characters");
+    for command in ["run", "doctor"] {
+        is_refusal(&run(command, &root, most + 1), &["ipc.prefix", &words, "ipc.root"]);
+        is_refusal(&run(command, &format!("/tmp/{}", "d".repeat(40)), 1), &["ipc.root", "names of sockets"]);
+    }
+}
+
+#[test]
+fn times_and_speeds_that_no_clock_can_count() {
+    let bench = Bench::new();
+    for key in [
+        "supervision.drain_s",
+        "supervision.backoff_s",
+        "watchdog.silence_s",
+        "watchdog.slow_s",
+        "soak.interval_s",
+        "radar.scan_period_s",
+        "tracker.gate_false_plots",
+        "run.speed",
+    ] {
+        for value in ["1e20", "inf"] {
+            refused(&bench, &small_config(), &["--set", &format!("{key}={value}")], &[key, "expected"]);
+        }
+    }
+    refused(&bench, &small_config(), &["--set", "run.speed=1e-300"], &["run.speed", "expected"]);
+    refused(&bench, &small_config(), &["--set", "radar.scan_period_s=1e-308"], &["radar.scan_period_s", "expected"]);
 }
 
 #[test]

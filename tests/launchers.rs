@@ -51,6 +51,113 @@ fn what_died_without_a_launcher_is_started_by_the_next() {
     assert!(bench.report().books.iter().all(common::report::Book::balances), "{:?}", bench.report().books);
 }
 
+/// A tracker that a dead launcher has started and that is slow to enter the domain is not started a second time.
+#[test]
+fn a_stage_that_is_slow_to_enter_the_domain_is_not_doubled() {
+    let bench = Bench::new();
+    let patient = [&ENDLESS[..], &["--set", "supervision.hang_s=0"]].concat();
+    let first = bench.start(&patient);
+    let before = bench.wait_for("scans", |status| pids(status).filter(|_| scan(status) >= Some(3)));
+    first.kill();
+    // In its place a process with its command line that becomes it only when it is let go.
+    let go = bench.path("go");
+    let script = format!(
+        "until [ -e '{}' ]; do sleep 0.02; done; exec '{}' stage \"$@\"",
+        go.display(),
+        env!("CARGO_BIN_EXE_radar-chain")
+    );
+    std::fs::write(bench.path("stage"), script).expect("a script");
+    let mut slow = std::process::Command::new("sh")
+        .current_dir(bench.path(""))
+        .args(["stage", "tracker", "--config"])
+        .arg(bench.root().join("chain.toml"))
+        .spawn()
+        .expect("a process");
+    support::signal(before[2], "KILL");
+    let second = bench.start(&patient);
+    let launcher = u64::from(second.pid());
+    // Long enough for it to have started what it misses.
+    bench.wait_for("the new launcher at work", |status| {
+        let here = number(status, "radar-chain", "pid") == Some(launcher);
+        number(status, "radar-chain", "seq").filter(|&seq| here && seq >= 12)
+    });
+    std::fs::write(&go, "").expect("a file");
+    let seen = bench.wait_for("a scan", scan);
+    let after = bench.wait_for("more scans", |status| pids(status).filter(|_| scan(status) >= Some(seen + 4)));
+    assert_eq!(after, [before[0], before[1], slow.id(), before[3]], "the slow one is the tracker");
+    let output = second.stop();
+    assert!(bench.report().books.iter().all(common::report::Book::balances), "{}", text_of(&output));
+    slow.wait().expect("its end");
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+}
+
+/// A service that was left half made keeps a launcher from taking over: it ends the stages and starts the chain again.
+#[test]
+fn a_chain_with_a_half_made_service_is_started_again() {
+    let bench = Bench::new();
+    let first = bench.start(&ENDLESS);
+    let before = bench.wait_for("scans", |status| pids(status).filter(|_| scan(status) >= Some(2)));
+    first.kill();
+    let services = std::fs::read_dir(bench.root().join("services")).expect("services").flatten();
+    for service in services {
+        std::fs::write(service.path(), "").expect("our own file");
+    }
+    let second = bench.start(&ENDLESS);
+    let launcher = u64::from(second.pid());
+    let after = bench.wait_for("the chain again", |status| {
+        let here = number(status, "radar-chain", "pid") == Some(launcher);
+        pids(status).filter(|_| here && scan(status) >= Some(2))
+    });
+    assert!(before.iter().all(|pid| !after.contains(pid)), "{before:?} {after:?}");
+    let output = second.stop();
+    assert!(text_of(&output).contains("starting the chain again"), "{}", text_of(&output));
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+}
+
+/// The system sends SIGHUP to a stage that stands still when its launcher dies: that is no reason to end.
+#[test]
+fn a_stage_that_stands_still_when_its_launcher_dies_goes_on() {
+    let bench = Bench::new();
+    let first = bench.start(&ENDLESS);
+    let before = bench.wait_for("scans", |status| pids(status).filter(|_| scan(status) >= Some(2)));
+    support::signal(before[0], "STOP");
+    first.kill();
+    support::signal(before[0], "CONT");
+    let seen = bench.wait_for("a scan", scan);
+    bench.wait_for("more scans", |status| pids(status).filter(|&now| now == before && scan(status) >= Some(seen + 4)));
+    let second = bench.start(&ENDLESS);
+    let launcher = u64::from(second.pid());
+    bench.wait_for("the new launcher", |status| {
+        Some(()).filter(|()| number(status, "radar-chain", "pid") == Some(launcher))
+    });
+    let output = second.stop();
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output));
+}
+
+/// What others have put where the lock of a domain belongs is not followed, waited for or believed.
+#[test]
+fn a_lock_that_is_no_file_of_ours_is_refused() {
+    let bench = Bench::new();
+    let lock = bench.root().with_extension("lock");
+    let elsewhere = bench.path("elsewhere");
+    std::os::unix::fs::symlink(&elsewhere, &lock).expect("a link");
+    let refused = |words: &str| {
+        let run = bench.run(&["--scans", "2"]);
+        assert_eq!(run.status.code(), Some(2), "{}", text_of(&run));
+        assert!(text_of(&run).contains(words), "{}", text_of(&run));
+        std::fs::remove_file(&lock).expect("it is still there");
+    };
+    refused("is no regular file");
+    assert!(!elsewhere.exists(), "the link was not followed");
+    assert!(std::process::Command::new("mkfifo").arg(&lock).status().expect("mkfifo").success());
+    refused("is no regular file");
+    std::os::unix::fs::symlink(bench.path(""), bench.root()).expect("a link");
+    let run = bench.run(&["--scans", "2"]);
+    assert_ne!(run.status.code(), Some(0), "{}", text_of(&run));
+    assert!(text_of(&run).contains("it is no folder"), "{}", text_of(&run));
+    assert!(!bench.path("chain.toml").exists() && !bench.path("iceoryx2.toml").exists());
+}
+
 #[test]
 fn of_two_launchers_one_is_refused() {
     let bench = Bench::new();

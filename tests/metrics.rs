@@ -50,6 +50,10 @@ fn metrics_are_read_by_an_independent_parser() {
         assert!(value("radar_open_files", "process", process) > 3.0);
         assert!((value("radar_up", "process", process) - 1.0).abs() < 1e-9);
     }
+    assert!((value("radar_build_info", "version", env!("CARGO_PKG_VERSION")) - 1.0).abs() < 1e-9);
+    let confirmed = scrape.samples.iter().filter(|sample| sample.metric == "radar_tracks_confirmed");
+    let processes: Vec<_> = confirmed.filter_map(|sample| sample.labels.get("process")).collect();
+    assert_eq!(processes, ["tracker"], "others have none");
     assert!(value("radar_messages_received_total", "topic", "plots") > 50.0);
     assert!(value("radar_messages_lost_total", "topic", "plots").abs() < 1e-9);
     assert!(value("radar_messages_published_total", "process", "radar-sim") > 500.0);
@@ -60,6 +64,14 @@ fn metrics_are_read_by_an_independent_parser() {
     let Value::Summary(quantiles) = &latency.expect("latencies").value else { panic!("a summary") };
     assert!(quantiles.iter().any(|part| (part.quantile - 0.5).abs() < 1e-9 && part.count > 0.0 && part.count < 10.0));
 
+    // Others get their answers while slow scrapers say nothing.
+    let slow: Vec<TcpStream> =
+        (0..8).map(|_| TcpStream::connect(("127.0.0.1", port)).expect("metrics are served")).collect();
+    let asked = std::time::Instant::now();
+    assert!(request(port, "GET /metrics?name=x HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 200 OK"));
+    let waited_for_all = Duration::from_secs(2) * slow.len() as u32;
+    assert!(asked.elapsed() < waited_for_all, "slow scrapers are not waited for one after the other");
+    drop(slow);
     assert!(request(port, "GET /else HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 404"));
     let again = Bench::new().run(&["--set", &listen]);
     assert_eq!(again.status.code(), Some(2), "{}", text_of(&again));

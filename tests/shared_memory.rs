@@ -41,6 +41,40 @@ fn too_small_at_the_start_is_one_line() {
     assert!(said.contains("/dev/shm has") && said.trim().lines().count() == 1, "{said}");
 }
 
+/// Runs a command in the folder of `bench` under a limit that `ulimit` sets.
+fn limited(limit: &str, command: &std::process::Command, bench: &Bench) -> std::process::Output {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    let words: Vec<String> = words.map(|word| format!("'{}'", word.to_string_lossy().replace('\'', "'\\''"))).collect();
+    let script = format!("ulimit {limit} && exec {}", words.join(" "));
+    output(std::process::Command::new("sh").current_dir(bench.path("")).args(["-c", &script]))
+}
+
+#[test]
+fn too_few_open_files_are_refused_and_a_low_limit_is_raised() {
+    let bench = Bench::new();
+    let mut command = bench.command("run", &small_config());
+    command.args(["--scans", "4", "--no-record"]);
+    let refused = limited("-n 100", &command, &bench);
+    assert_eq!(refused.status.code(), Some(2), "{}", text_of(&refused));
+    assert!(text_of(&refused).contains("100 open files are allowed"), "{}", text_of(&refused));
+    let raised = limited("-S -n 40", &command, &bench);
+    assert_eq!(raised.status.code(), Some(0), "{}", text_of(&raised));
+    let enough = limited("-n 128", &command, &bench);
+    assert_eq!(enough.status.code(), Some(0), "{}", text_of(&enough));
+}
+
+/// With little address space a stage cannot map the memory of the one before it: it must not go on without its messages.
+#[test]
+fn a_publisher_that_cannot_be_mapped_is_told() {
+    let bench = Bench::new();
+    let mut command = bench.command("run", &small_config());
+    command.args(["--scans", "4", "--set", "supervision.max_restarts=2"]);
+    let run = limited("-v 55000", &command, &bench);
+    assert_eq!(run.status.code(), Some(3), "{}", text_of(&run));
+    assert!(text_of(&run).contains("cannot be mapped"), "{}", text_of(&run));
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+}
+
 #[test]
 fn filled_by_others_it_stops_nothing() {
     let bench = Bench::new();

@@ -66,6 +66,73 @@ fn every_stage_comes_back_and_the_loss_is_reported() {
     }
 }
 
+/// A source that publishes plots itself had the rest of its scan in hand.
+#[test]
+fn what_a_dead_source_of_plots_had_in_hand_is_counted() {
+    let bench = Bench::new();
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let data = |key: &str, name: &str| {
+        format!("plot_source.{key}='{}'", folder.join("plot-source/tests/data").join(name).display())
+    };
+    let files = [data("file", "lebl-smr-30s.ast"), data("truth", "lebl-mlat-30s.ast")];
+    let arguments = ["--set", &files[0], "--set", &files[1], "--speed", "8"];
+    let running = bench.start_config(&folder.join("config/smr.toml"), &arguments);
+    let pid = bench.wait_for("scans", |status| {
+        let pid = support::number(status, "plot-source", "pid")?;
+        scan(status).filter(|&scan| scan >= 4).map(|_| pid)
+    });
+    signal(pid as u32, "KILL");
+    let output = running.end();
+    assert_eq!(output.status.code(), Some(1), "{}", text_of(&output));
+    let report = bench.report();
+    // Thirty scans of 32 sectors: all are received or known to be lost, by both consumers.
+    for book in report.books.iter().filter(|book| book.topic == "plots") {
+        assert!(book.balances() && book.sent == 30 * 32 && book.lost > 0, "{:?}", report.books);
+    }
+}
+
+/// In real time the others do not wait for it: what it has missed is in the books all the same.
+#[test]
+fn a_recorder_that_is_away_until_the_end_counts_what_it_has_missed() {
+    let bench = Bench::new();
+    let hang = ["--set", "supervision.recorder_hang_s=2.0", "--set", "run.mode=real-time"];
+    let running = bench.start(&[&["--scans", "40", "--speed", "4"][..], &hang].concat());
+    let before = bench.wait_for("scans", |status| pids(status).filter(|_| scan(status) >= Some(8)));
+    signal(before[3], "STOP");
+    let output = running.end();
+    assert_eq!(output.status.code(), Some(1), "{}", text_of(&output));
+    let report = bench.report();
+    assert!(report.books.iter().all(Book::balances), "{:?}", report.books);
+    for (topic, sent) in [("dwells", 40 * 64), ("plots", 40 * 8), ("tracks", 40 * 8), ("truth", 40)] {
+        let mut books = report.books.iter().filter(|book| book.topic == topic).peekable();
+        assert!(books.peek().is_some(), "{topic}: {:?}", report.books);
+        assert!(books.all(|book| book.sent == sent), "{topic}: {:?}", report.books);
+    }
+    assert!(report.lost() > 0);
+}
+
+#[test]
+fn a_recorder_that_dies_while_the_chain_ends_still_leaves_the_report() {
+    let bench = Bench::new();
+    let running = bench.start(&["--scans", "0", "--speed", "1"]);
+    let before = bench.wait_for("scans", |status| pids(status).filter(|_| scan(status) >= Some(4)));
+    // It stands still, so that the chain is ending when it dies.
+    signal(before[3], "STOP");
+    signal(running.pid(), "TERM");
+    let began = std::time::Instant::now();
+    while std::path::Path::new(&format!("/proc/{}", before[0])).exists() && began.elapsed() < support::DEADLINE {
+        std::thread::yield_now();
+    }
+    signal(before[3], "KILL");
+    let output = running.end();
+    assert_eq!(output.status.code(), Some(1), "{}", text_of(&output));
+    assert!(text_of(&output).contains("recorder ended by signal 9: starting it again"), "{}", text_of(&output));
+    assert!(bench.report().scans >= 3, "{}", text_of(&output));
+    let drafts = std::fs::read_dir(bench.path("")).expect("the folder").flatten();
+    assert!(!drafts.into_iter().any(|entry| entry.file_name().to_string_lossy().ends_with(".tmp")));
+    assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
+}
+
 #[test]
 fn a_source_that_dies_in_its_last_scan_ends_the_run_and_repeats_nothing() {
     let bench = Bench::new();

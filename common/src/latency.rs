@@ -22,6 +22,12 @@ pub enum Latency {
     Record,
 }
 
+impl Latency {
+    /// All of them, in order.
+    pub const ALL: [Self; LATENCIES] =
+        [Self::HopDwells, Self::Extract, Self::HopPlots, Self::Track, Self::EndToEnd, Self::Scan, Self::Record];
+}
+
 /// Number of latencies.
 pub const LATENCIES: usize = 7;
 

@@ -17,7 +17,7 @@ use crate::logging;
 use crate::messages::HealthReports;
 use crate::printable::printable;
 use crate::recording::RecordingError;
-use crate::stop;
+use crate::stop::{self, Asked};
 use crate::time::{monotonic_ns, open_files, process_cpu_ns, resident_bytes};
 
 /// Exit code: the chain ran, but a budget, loss limit or check was broken.
@@ -109,13 +109,13 @@ impl StageArgs {
 
 /// Runs the body of a process: logging, signals (the second ends it at once), and one line for an error.
 pub fn run(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
-    stop::catch_signals(true);
+    stop::catch_signals(Asked::Worker);
     conclude(name, body)
 }
 
 /// As [`run`], for a process that ends others: it must live on at the second signal and looks at [`signals`].
 pub fn supervise(name: &str, body: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
-    stop::catch_signals(false);
+    stop::catch_signals(Asked::Supervisor);
     conclude(name, body)
 }
 
@@ -165,6 +165,11 @@ pub fn tell(line: &str) {
     } else {
         write_line(line);
     }
+}
+
+/// Writes results to standard output. Whoever reads them may have seen enough.
+pub fn print(text: &str) {
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
 }
 
 fn write_line(line: &str) {

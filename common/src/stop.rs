@@ -1,22 +1,51 @@
 //! When a process is asked to stop, and how long it has waited for its consumers.
 
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
 use sd_notify::NotifyState;
+use signal_hook::consts::{SIGHUP, SIGTERM};
+use signal_hook::flag;
+use signal_hook::iterator::Signals;
 
 use crate::time::monotonic_ns;
 
 static SIGNALS: AtomicU32 = AtomicU32::new(0);
 
-/// Counts SIGINT and SIGTERM; the first asks to stop.
-pub(crate) fn catch_signals(second_ends: bool) {
-    let installed = ctrlc::set_handler(move || {
-        if SIGNALS.fetch_add(1, Ordering::SeqCst) > 0 && second_ends {
+/// Who is asked to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Asked {
+    /// A process that works alone: the second signal ends it at once. SIGHUP does not count: the system sends it to a stage
+    /// that stands still when its launcher dies, and the stages of a dead launcher go on.
+    Worker,
+    /// A process that ends others: it lives on at the second signal, and ends them when its terminal is closed.
+    Supervisor,
+}
+
+impl Asked {
+    fn once_more(self) {
+        if SIGNALS.fetch_add(1, Ordering::SeqCst) > 0 && self == Self::Worker {
             std::process::exit(130);
         }
-    });
-    if let Err(error) = installed {
+    }
+}
+
+/// Counts Ctrl-C (SIGINT) and SIGTERM, for a supervisor SIGHUP too; the first asks to stop.
+pub(crate) fn catch_signals(asked: Asked) {
+    let install = || -> anyhow::Result<()> {
+        ctrlc::set_handler(move || asked.once_more())?;
+        // The crate above takes SIGHUP for Ctrl-C or leaves SIGTERM alone.
+        let mut signals = Signals::new([SIGTERM])?;
+        match asked {
+            Asked::Worker => drop(flag::register(SIGHUP, Arc::new(AtomicBool::new(false)))?), // nobody looks at it
+            Asked::Supervisor => signals.add_signal(SIGHUP)?,
+        }
+        let wait = move || signals.forever().for_each(|_| asked.once_more());
+        std::thread::Builder::new().name("signals".into()).spawn(wait)?;
+        Ok(())
+    };
+    if let Err(error) = install() {
         tracing::warn!(%error, "signals are not handled");
     }
 }

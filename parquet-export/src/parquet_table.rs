@@ -111,6 +111,8 @@ impl Layout {
     fn add(&mut self, repetition: &str, column: &str, value: Value<'_>) {
         let (kind, annotation, values) = match value {
             Value::U32(_) => ("INT32", "(INTEGER(32,false))", Values::U32(Vec::new())),
+            // Measurement time: ns since 1970, UTC.
+            Value::U64(_) if column == "time_ns" => ("INT64", "(TIMESTAMP(NANOS,true))", Values::U64(Vec::new())),
             Value::U64(_) => ("INT64", "(INTEGER(64,false))", Values::U64(Vec::new())),
             Value::F32(_) => ("FLOAT", "", Values::F32(Vec::new())),
             Value::F64(_) => ("DOUBLE", "", Values::F64(Vec::new())),

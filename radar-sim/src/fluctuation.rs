@@ -1,14 +1,14 @@
-//! Amplitude and phase of a target's echo from scan to scan.
+//! Amplitude and phase of a target's echo from passage to passage of the beam.
 
 use common::config::Swerling;
 use common::random::{Purpose, generator};
 use rand::RngExt;
 use rand_distr::{Distribution, Exp1};
 
-/// Power of target `target_id` in `scan` over its mean: 1 (Swerling 0), exponential (I), or
-/// χ² with four degrees of freedom (III); one draw a scan (C2).
-pub fn power(swerling: Swerling, seed: u64, scan: u32, target_id: u32) -> f64 {
-    let mut rng = generator(seed, Purpose::Fluctuation, scan, target_id);
+/// Power of target `target_id` in the beam's `passage` over its mean: 1 (Swerling 0), exponential (I), or χ² with four degrees
+/// of freedom (III); one draw a passage (C2). Passages have the number of the scan in which the beam is on the target.
+pub fn power(swerling: Swerling, seed: u64, passage: u32, target_id: u32) -> f64 {
+    let mut rng = generator(seed, Purpose::Fluctuation, passage, target_id);
     let mut exponential = || -> f64 { Exp1.sample(&mut rng) };
     match swerling {
         Swerling::Zero => 1.0,

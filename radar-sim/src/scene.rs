@@ -1,5 +1,7 @@
 //! The targets: where they are, how strong they are, and what the radar gets of them.
 
+use std::f64::consts::TAU;
+
 use common::angle;
 use common::config::{ChainConfig, RadarConfig, Swerling};
 use common::geodesy::FrameChange;
@@ -99,7 +101,10 @@ impl Scene {
             if offset.abs() > self.azimuth.reach(snr_db) {
                 continue;
             }
-            let power = fluctuation::power(target.swerling, self.seed, scan, target.id);
+            // A target that begins to exist within the beam has no passage before that.
+            let passed = target.passed_near(time_s, &self.radar);
+            let passage = passed.map_or(scan, |(passed_s, _)| scan_at(passed_s, &self.radar));
+            let power = fluctuation::power(target.swerling, self.seed, passage, target.id);
             let peak = (from_db(snr_db) * power).sqrt() * self.azimuth.amplitude(offset);
             let (sin, cos) = fluctuation::phase(self.seed, scan, dwell, target.id).sin_cos();
             self.gains.of(axes(&self.radar), &place, &state, snr_db, [self.elevation, self.doppler, self.pulse]);
@@ -115,21 +120,23 @@ impl Scene {
         }
     }
 
-    /// The targets that exist, each at the time when the beam passes it in `scan`.
+    /// The targets that exist, each whenever the beam passes it in `scan`: once as a rule, not at all in the scan after it has
+    /// crossed north with the beam, and perhaps twice when it crosses north against the beam.
     pub fn truth(&self, scan: u32, epoch_ns: u64, truth: &mut Vec<TruthTarget>) {
         truth.clear();
         for target in &self.targets {
-            let Some((time_s, state)) = target.passed(scan, &self.radar) else { continue };
-            let place = Polar::from_enu(&state.position_m);
-            let (p, v, a) = (state.position_m, state.velocity_mps, state.acceleration_mps2);
-            truth.push(TruthTarget {
-                time_ns: epoch_ns + (time_s * common::units::NS_PER_S) as u64,
-                target_id: target.id,
-                mode: state.mode,
-                state: [p.x, v.x, a.x, p.y, v.y, a.y, p.z, v.z, a.z],
-                snr_db: target.snr_db(place.range_m) as f32,
-                flags: if covers(&self.radar, &place) { VISIBLE } else { 0 },
-            });
+            for (time_s, state) in target.passages(scan, &self.radar) {
+                let place = Polar::from_enu(&state.position_m);
+                let (p, v, a) = (state.position_m, state.velocity_mps, state.acceleration_mps2);
+                truth.push(TruthTarget {
+                    time_ns: epoch_ns + (time_s * common::units::NS_PER_S) as u64,
+                    target_id: target.id,
+                    mode: state.mode,
+                    state: [p.x, v.x, a.x, p.y, v.y, a.y, p.z, v.z, a.z],
+                    snr_db: target.snr_db(place.range_m) as f32,
+                    flags: if covers(&self.radar, &place) { VISIBLE } else { 0 },
+                });
+            }
         }
     }
 }
@@ -147,26 +154,47 @@ impl Target {
         self.snr_1km_db.map_or(self.fixed_snr_db, at_1km)
     }
 
-    /// When the beam passes the target in `scan`, s since the start, and its state then.
-    fn passed(&self, scan: u32, radar: &RadarConfig) -> Option<(f64, Kinematics)> {
+    /// When the beam passes the target in `scan`, s since the start, and its states then.
+    fn passages(&self, scan: u32, radar: &RadarConfig) -> Vec<(f64, Kinematics)> {
         let period_s = radar.scan_period_s;
         let start_s = f64::from(scan) * period_s;
-        let mut time_s = start_s + 0.5 * period_s;
+        let mut passages: Vec<(f64, Kinematics)> = Vec::with_capacity(2);
+        for near_s in [start_s, start_s + 0.5 * period_s, start_s + period_s] {
+            let Some((time_s, state)) = self.passed_near(near_s, radar) else { continue };
+            let is_known = passages.last().is_some_and(|&(known_s, _)| time_s - known_s < 0.5 * period_s);
+            if scan_at(time_s, radar) == scan && !is_known {
+                passages.push((time_s, state));
+            }
+        }
+        passages
+    }
+
+    /// When the beam passes the target nearest to `time_s`, s since the start, and its state then.
+    fn passed_near(&self, time_s: f64, radar: &RadarConfig) -> Option<(f64, Kinematics)> {
+        let turn_rate = TAU / radar.scan_period_s;
+        let mut time_s = time_s;
         // The beam is far faster than any target: each step gains more than a digit.
         for _ in 0..6 {
             let place = Polar::from_enu(&self.at(time_s, radar)?.position_m);
-            time_s = start_s + place.azimuth_rad / std::f64::consts::TAU * period_s;
+            time_s = (time_s + angle::difference(place.azimuth_rad, turn_rate * time_s) / turn_rate).max(0.0);
         }
         Some((time_s, self.at(time_s, radar)?))
     }
 }
 
-/// Whether a place lies inside the outermost cells.
+/// The scan of a passage, also of a target that stands exactly in the north, where scans meet.
+fn scan_at(time_s: f64, radar: &RadarConfig) -> u32 {
+    (time_s / radar.scan_period_s + 1e-9) as u32
+}
+
+/// Whether a place lies inside the outermost cells; a single beam covers its half-power width.
 fn covers(radar: &RadarConfig, place: &Polar) -> bool {
     let last_range_m = radar.range_first_m + radar.range_step_m * f64::from(radar.ranges - 1);
-    let last_elevation_deg = radar.elevation_first_deg + radar.elevation_step_deg * f64::from(radar.elevations - 1);
+    let height_deg = radar.elevation_step_deg * f64::from(radar.elevations - 1);
+    let beside_deg = if radar.elevations == 1 { 0.5 * radar.beamwidth_elevation_deg } else { 0.0 };
+    let above_deg = place.elevation_rad.to_degrees() - radar.elevation_first_deg;
     (radar.range_first_m..=last_range_m).contains(&place.range_m)
-        && (radar.elevation_first_deg..=last_elevation_deg).contains(&place.elevation_rad.to_degrees())
+        && (-beside_deg..=height_deg + beside_deg).contains(&above_deg)
 }
 
 /// First centre, step and number of cells of one axis, in its own unit.
@@ -262,9 +290,57 @@ mod tests {
         scene.truth(4, 0, &mut truth);
         let azimuth = Polar::from_enu(&truth[0].position_m().into()).azimuth_rad;
         let time_s = truth[0].time_ns as f64 * 1e-9;
-        assert!((time_s - 4.0 - azimuth / std::f64::consts::TAU).abs() < 1e-6);
+        assert!((time_s - 4.0 - azimuth / TAU).abs() < 1e-6);
         assert!((truth[0].state[3] - 30.0 * (time_s - 2.0)).abs() < 1e-3);
         assert_eq!(truth[0].flags, VISIBLE);
+    }
+
+    /// Passages of a target that crosses north, with the beam and against it: one turn of the beam after the other.
+    #[test]
+    fn a_target_that_crosses_north_is_passed_once_a_turn() {
+        for (velocity_mps, passages) in [(20.0, 27), (0.0, 28), (-20.0, 29)] {
+            let scene = scene([-8.0 * velocity_mps, 1500.0, 100.0], [velocity_mps, 0.0, 0.0]);
+            let mut times_s = Vec::new();
+            for scan in 2..30 {
+                let mut truth = Vec::new();
+                scene.truth(scan, 0, &mut truth);
+                times_s.extend(truth.iter().map(|target| target.time_ns as f64 * 1e-9));
+            }
+            assert_eq!(times_s.len(), passages, "{times_s:?}");
+            for pair in times_s.windows(2) {
+                assert!((pair[1] - pair[0] - 1.0).abs() < 0.005, "{pair:?}");
+            }
+        }
+    }
+
+    /// The draw of a fluctuating target stays the same while the beam passes it, wherever the count of scans goes on.
+    #[test]
+    fn one_passage_is_one_draw_also_across_north() {
+        let mut scene = scene([0.0, 1500.0, 100.0], [0.0; 3]);
+        scene.targets[0].swerling = Swerling::One;
+        let dwells = scene.radar.dwells_per_scan;
+        let step_rad = TAU / f64::from(dwells);
+        let mut powers = Vec::new();
+        for (scan, dwell) in [(4, dwells - 1), (5, 0)] {
+            let mut echoes = Echoes::default();
+            let time_s = f64::from(scan) + (f64::from(dwell) + 0.5) / f64::from(dwells);
+            let azimuth_rad = (f64::from(dwell) + 0.5) * step_rad;
+            scene.add(scan, dwell, time_s, azimuth_rad, &mut echoes);
+            let mut cells = vec![0.0; scene.radar.grid().cells()];
+            echoes.apply(&mut cells, || 0.0);
+            powers.push(cells.iter().copied().fold(0.0_f32, f32::max));
+        }
+        assert!((powers[0] / powers[1] - 1.0).abs() < 0.01, "{powers:?}"); // half a step to either side of the target
+    }
+
+    #[test]
+    fn a_radar_without_elevation_covers_the_width_of_its_beam() {
+        let mut radar = ChainConfig::default().radar;
+        (radar.elevations, radar.elevation_first_deg, radar.beamwidth_elevation_deg) = (1, 5.0, 8.0);
+        let covered = |elevation_deg: f64| {
+            covers(&radar, &Polar { range_m: 2000.0, azimuth_rad: 1.0, elevation_rad: elevation_deg.to_radians() })
+        };
+        assert_eq!([0.9, 1.1, 8.9, 9.1].map(covered), [false, true, true, false]);
     }
 
     /// A target in the middle of a cell gives the cell its whole power.
@@ -273,7 +349,7 @@ mod tests {
         let radar = ChainConfig::default().radar;
         let range_m = radar.range_first_m + 20.0 * radar.range_step_m;
         let elevation_rad = (radar.elevation_first_deg + 5.0 * radar.elevation_step_deg).to_radians();
-        let step_rad = std::f64::consts::TAU / f64::from(radar.dwells_per_scan);
+        let step_rad = TAU / f64::from(radar.dwells_per_scan);
         let place = Polar { range_m, azimuth_rad: 100.5 * step_rad, elevation_rad };
         let position = place.to_enu();
         let mut scene = scene(position.into(), [0.0; 3]);

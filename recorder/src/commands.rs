@@ -138,7 +138,8 @@ pub(crate) fn score(
         }
     }
     let (detection, tracking) = scoring.finish();
-    say(&Report { detection, tracking, ..Report::default() }.scores_to_text())
+    let report = Report { detection, tracking, ..Report::default() };
+    say(&if plots.is_some() { report.scores_to_text() } else { report.tracking.to_text() })
 }
 
 /// The messages of a recording and of the later parts of its run; errors name the file.

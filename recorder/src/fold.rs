@@ -20,6 +20,7 @@ use crate::books::Books;
 use crate::latencies::Latencies;
 use crate::losses::{Losses, Missing};
 use crate::processes::Processes;
+use crate::schedule::Schedule;
 use crate::scoring::Scoring;
 
 /// What became of a run in files.
@@ -65,8 +66,9 @@ impl Progress {
             Some((first.min(from), last.max(to)))
         };
         let stamps = &header.stamps;
-        if stamps.source_out_ns != 0 && stamps.tracks_out_ns != 0 {
-            self.wall_ns = extend(self.wall_ns, stamps.source_out_ns, stamps.tracks_out_ns);
+        if stamps.tracks_out_ns != 0 {
+            let from_ns = if stamps.source_out_ns == 0 { stamps.tracks_out_ns } else { stamps.source_out_ns };
+            self.wall_ns = extend(self.wall_ns, from_ns, stamps.tracks_out_ns);
         }
         self.measured_ns = extend(self.measured_ns, header.time_ns, header.time_ns);
     }
@@ -82,9 +84,9 @@ impl Fold {
     pub fn new(config: &ChainConfig) -> Self {
         Self {
             config: config.clone(),
-            losses: Losses::new(|topic| first_position(config, topic)),
+            losses: Losses::new(Schedule::new(config)),
             books: Books::default(),
-            latencies: Latencies::new(&config.budget),
+            latencies: Latencies::new(&config.budget, config.run.speed),
             processes: Processes::default(),
             scoring: Scoring::new(config),
             progress: Progress::default(),
@@ -185,12 +187,7 @@ impl Fold {
         self.latencies.close_interval(Duration::ZERO);
         let (detection, tracking) = self.scoring.finish();
         let [wall_s, measured_s] = self.progress.lengths_s();
-        let mut loss = self.losses.lost();
-        for topic in Topic::of_data() {
-            if let Some(lost) = loss.get_mut(topic.name()).and_then(|by| by.get_mut(topology::RECORDER)) {
-                *lost += self.books.tail(topic);
-            }
-        }
+        let loss = self.losses.lost(&self.books);
         let lossless = self.config.run.mode == Mode::Lossless;
         let whole = loss.values().flat_map(|consumers| consumers.values()).all(|&lost| lost == 0);
         Report {
@@ -208,7 +205,7 @@ impl Fold {
             budget: self.latencies.budgets(),
             detection,
             tracking,
-            books: self.books.balance(&self.losses, |topic| first_position(&self.config, topic)),
+            books: self.books.balance(&self.losses),
             observers: self.processes.observers(),
             misses: self.latencies.misses(),
             soak: None,
@@ -225,16 +222,6 @@ impl Fold {
 /// Counts that a recording holds; `None` if they are not of this version.
 pub(crate) fn read_counts(text: &str) -> Option<(Losses, Books, Processes, Progress)> {
     serde_json::from_str(text).ok()
-}
-
-/// Where the schedule of a topic begins; others than these are not counted before their first message.
-fn first_position(config: &ChainConfig, topic: Topic) -> u64 {
-    let per_scan = match topic {
-        Topic::Dwells => config.radar.dwells_per_scan,
-        Topic::Plots | Topic::Tracks => config.sectors_per_scan(),
-        _ => 0,
-    };
-    u64::from(config.run.first_scan) * u64::from(per_scan)
 }
 
 #[cfg(test)]

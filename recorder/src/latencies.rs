@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::time::Duration;
 
-use common::config::BudgetConfig;
+use common::config::{Budget, BudgetConfig, Speed};
 use common::health::LatencySummary;
 use common::latency::{LATENCIES, LATENCY_NAMES, Latency, LatencyHistograms};
 use common::latency_log::LatencyLog;
@@ -18,6 +18,8 @@ use common::tracks::TracksHeader;
 pub(crate) struct Latencies {
     histograms: LatencyHistograms,
     budgets: BudgetConfig,
+    /// As fast as it goes: queues are full by design, and only limits given for that apply.
+    full_speed: bool,
     misses: [Misses; LATENCIES],
     log: Option<LatencyLog<File>>,
 }
@@ -47,9 +49,15 @@ impl Misses {
 }
 
 impl Latencies {
-    pub(crate) fn new(budgets: &BudgetConfig) -> Self {
+    pub(crate) fn new(budgets: &BudgetConfig, speed: Speed) -> Self {
         let misses = std::array::from_fn(|_| Misses::default());
-        Self { histograms: LatencyHistograms::default(), budgets: budgets.clone(), misses, log: None }
+        Self {
+            histograms: LatencyHistograms::default(),
+            budgets: budgets.clone(),
+            full_speed: speed == Speed::Max,
+            misses,
+            log: None,
+        }
     }
 
     /// Writes intervals to `log` from now on.
@@ -90,12 +98,18 @@ impl Latencies {
         if let Some(log) = &mut self.log {
             log.record(latency, from_ns, to_ns);
         }
-        let limits = self.budgets.all()[latency as usize];
-        let limit_ns = limits.limits().map(|(_, limit_us)| limit_us).fold(f64::INFINITY, f64::min) * 1000.0;
+        let budget = self.budgets.all()[latency as usize];
+        let applied = budget.limits().filter(|&(percentile, _)| self.applies(&budget, percentile));
+        let limit_ns = applied.map(|(_, limit_us)| limit_us).fold(f64::INFINITY, f64::min) * 1000.0;
         let took_ns = to_ns.saturating_sub(from_ns);
         if from_ns != 0 && to_ns != 0 && took_ns as f64 > limit_ns {
             self.misses[latency as usize].note(scan, took_ns);
         }
+    }
+
+    /// Whether the limit of a percentile applies.
+    fn applies(&self, budget: &Budget, percentile: f64) -> bool {
+        !self.full_speed || budget.further().any(|(given, _)| (given - percentile).abs() < 1e-9)
     }
 
     /// Percentiles by name.
@@ -107,12 +121,13 @@ impl Latencies {
     pub(crate) fn budgets(&self) -> BTreeMap<String, BudgetResult> {
         let named = LATENCY_NAMES.iter().zip(self.budgets.all()).zip(&self.misses);
         let results = named.zip(self.histograms.named()).map(|(((name, budget), misses), (_, histogram))| {
-            let limit = |(percentile, limit_us)| {
+            let limit = |(percentile, limit_us): (f64, f64)| {
                 let value_us = histogram.value_at_quantile(percentile / 100.0) as f64 / 1000.0;
-                LimitResult { percentile, limit_us, value_us, ok: histogram.is_empty() || value_us <= limit_us }
+                let ok = histogram.is_empty() || value_us <= limit_us;
+                LimitResult { percentile, limit_us, value_us, ok, applied: self.applies(&budget, percentile) }
             };
             let limits: Vec<LimitResult> = budget.limits().map(limit).collect();
-            let ok = limits.iter().all(|limit| limit.ok);
+            let ok = limits.iter().all(|limit| limit.ok || !limit.applied);
             let LimitResult { limit_us, percentile, .. } = limits[0]; // there is always one
             ((*name).to_string(), BudgetResult { limit_us, percentile, misses: misses.count, ok, limits })
         });
@@ -152,7 +167,7 @@ mod tests {
     fn a_miss_is_listed_with_the_limit_it_broke() {
         let mut budgets = BudgetConfig::default();
         budgets.track.p50_us = Some(5.0);
-        let mut latencies = Latencies::new(&budgets);
+        let mut latencies = Latencies::new(&budgets, Speed::Times(1.0));
         for (scan, took_ns) in [(0, 1000), (1, 10_000), (2, 9_000_000)] {
             let stamps = Stamps { tracker_in_ns: 2000, tracks_out_ns: 2000 + took_ns, ..Stamps::default() };
             latencies.tracks(&TracksHeader { scan, stamps, ..TracksHeader::default() }, 0);
@@ -162,8 +177,23 @@ mod tests {
     }
 
     #[test]
+    fn at_full_speed_only_limits_given_for_it_apply() {
+        for (given_us, ok) in [(None, true), (Some(5.0), false)] {
+            let mut budgets = BudgetConfig::default();
+            budgets.track.p50_us = given_us;
+            let mut latencies = Latencies::new(&budgets, Speed::Max);
+            let stamps = Stamps { tracker_in_ns: 2000, tracks_out_ns: 9_000_000, ..Stamps::default() };
+            latencies.tracks(&TracksHeader { stamps, ..TracksHeader::default() }, 0);
+            let budget = &latencies.budgets()["track"];
+            assert_eq!(budget.ok, ok);
+            assert_eq!((budget.limits[0].ok, budget.limits[0].applied), (false, false));
+            assert_eq!(latencies.misses().len(), usize::from(!ok));
+        }
+    }
+
+    #[test]
     fn misses_are_counted_once_a_scan_and_missing_stamps_not_at_all() {
-        let mut latencies = Latencies::new(&BudgetConfig::default());
+        let mut latencies = Latencies::new(&BudgetConfig::default(), Speed::Times(1.0));
         let mut tracks = |scan, took_ns: u64| {
             let stamps =
                 Stamps { source_out_ns: 1000, tracker_in_ns: 2000, tracks_out_ns: 2000 + took_ns, ..Stamps::default() };

@@ -24,6 +24,7 @@ pub mod replay;
 pub mod replay_process;
 mod report_place;
 mod retention;
+mod schedule;
 pub mod scoring;
 pub mod verify;
 pub mod window;

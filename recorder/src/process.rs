@@ -12,19 +12,19 @@ use common::ipc::{Flow, IpcError, Station, Subscriber, Turn, attend};
 use common::latency_log::LatencyLog;
 use common::message::END_OF_STREAM;
 use common::messages::{ForTopic, Message};
-use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, stop_requested};
+use common::process::{BadInput, EXIT_CHECK_BROKEN, HealthReporter, StageArgs, new_session, say, stop_requested};
 use common::realtime;
 use common::recording::container::{Entry, Reader};
 use common::recording::{Gap, RecordedRef, RecordingError};
 use common::report::Report;
-use common::time::monotonic_ns;
+use common::time::{monotonic_ns, utc_compact};
 use common::topic::Topic;
 use common::topology::{self, RECORDER, Stage};
 use tracing::{info, warn};
 
 use crate::fold::{Files, Fold};
 use crate::recording::{LISTED_GAPS, Recording};
-use crate::report_place::ReportPlace;
+use crate::report_place::{ReportPlace, report_beside};
 
 /// Name of the process.
 pub const NAME: &str = RECORDER;
@@ -95,8 +95,29 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         failed |= has_failed;
         reports.push(report);
     }
+    for report in &reports {
+        keep_beside_recording(report);
+    }
+    let recordings: Vec<String> = reports.iter().filter_map(|report| report.recording.clone()).collect();
     place.write(reports, &sites)?;
+    if chain.run.id.is_empty() {
+        // Nobody else tells whoever has started it by hand.
+        for recording in recordings {
+            say(&format!("recorded to {recording}"));
+        }
+        say(&format!("report {}", chain.recorder.report));
+    }
     Ok(if failed { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })
+}
+
+/// Writes the report of a site beside its recording: the next run writes its own to the place of this one.
+fn keep_beside_recording(report: &Report) {
+    let Some(place) = report.recording.as_ref().and_then(|recording| report_beside(Path::new(recording))) else {
+        return;
+    };
+    if let Err(error) = std::fs::write(&place, report.to_json()) {
+        warn!("cannot write {}: {error}", place.display());
+    }
 }
 
 /// The recorder's place at each site.
@@ -186,13 +207,17 @@ struct SiteRecorder {
 impl SiteRecorder {
     /// Begins a file of the run. If the run has earlier files, its report covers them too.
     fn new(chain: &ChainConfig, session: u64, log: Option<String>) -> anyhow::Result<Self> {
-        let id = if chain.run.id.is_empty() { (session / 1_000_000_000).to_string() } else { chain.run.id.clone() };
+        // Of a recorder that was started by hand.
+        let by_hand = || format!("{}-{:03}", utc_compact(session / 1_000_000_000), session / 1_000_000 % 1000);
+        let id = if chain.run.id.is_empty() { by_hand() } else { chain.run.id.clone() };
         let mut fold = Fold::new(chain);
         let mut recording = chain.recorder.record.then(|| Recording::new(chain, &id, session));
         if let Some(recording) = &mut recording {
             let earlier = recording.earlier_parts();
             read_again(&earlier, &mut fold, recording)?;
-            fold.rejoin();
+            if !earlier.is_empty() {
+                fold.rejoin();
+            }
             match recording.begin(&fold.counts()) {
                 Err(error) if earlier.is_empty() => return Err(BadInput(error.to_string()).into()),
                 // In the middle of a run the chain is worth more than its recording.

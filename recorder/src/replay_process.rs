@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 use common::config::ChainConfig;
 use common::ipc::{Publisher, Station};
-use common::message::END_OF_STREAM;
+use common::message::{END_OF_STREAM, Stamps};
 use common::messages::{Dwells, Message, Plots, Tracks, Truth};
 use common::pace::Pace;
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
@@ -61,9 +61,10 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
             Recorded::Plots(header, plots) => {
                 (header.session, header.flags) = (session, header.flags | stop);
                 header.lineage = lineage_again(&header.lineage, &mut dwells_taken, plots_out);
+                // Stages that do not run have no stamps: those of the recorded run are of another clock.
                 ports.plots.send(header, plots, |header| {
-                    header.stamps.source_out_ns = monotonic_ns();
-                    header.stamps.plots_out_ns = header.stamps.source_out_ns;
+                    let now_ns = monotonic_ns();
+                    header.stamps = Stamps { source_out_ns: now_ns, plots_out_ns: now_ns, ..Stamps::default() };
                 })?;
                 plots_out += 1;
                 (header.scan, header.flags)
@@ -71,7 +72,9 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
             Recorded::Tracks(header, tracks) => {
                 (header.session, header.flags) = (session, header.flags | stop);
                 header.lineage = lineage_again(&header.lineage, &mut plots_taken, tracks_out);
-                ports.tracks.send(header, tracks, |header| header.stamps.tracks_out_ns = monotonic_ns())?;
+                ports.tracks.send(header, tracks, |header| {
+                    header.stamps = Stamps { tracks_out_ns: monotonic_ns(), ..Stamps::default() };
+                })?;
                 tracks_out += 1;
                 (header.scan, header.flags)
             }

@@ -8,8 +8,15 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use common::config::Sites;
 use common::process::BadInput;
+use common::recording::run_and_part;
 use common::report::{ChainReport, Report};
 use rustix::fs::{FallocateFlags, fallocate};
+
+/// Where the report of a recorded run lies beside the parts of its recording: `<site>-<run>.report.json`.
+pub(crate) fn report_beside(part: &Path) -> Option<PathBuf> {
+    let (run, _) = run_and_part(part)?;
+    Some(part.with_file_name(format!("{run}.report.json")))
+}
 
 /// Room for a report: more than the longest lists of misses and gaps need.
 const ROOM_BYTES: u64 = 1 << 20;
@@ -32,6 +39,9 @@ impl ReportPlace {
         let refuse = |error: std::io::Error| BadInput(format!("cannot write report {}: {error}", path.display()));
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(refuse)?;
+        }
+        if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+            return Err(refuse(std::io::Error::other("it exists and is no regular file")));
         }
         // Of its own: another chain may write its report to the same place.
         let draft = path.with_extension(format!("json.{chain}.tmp"));

@@ -11,6 +11,8 @@ use common::recording::container::Reader;
 use common::recording::run_and_part;
 use tracing::warn;
 
+use crate::report_place::report_beside;
+
 /// The limit and the files under it.
 #[derive(Debug)]
 pub(crate) struct Retention {
@@ -58,12 +60,23 @@ impl Retention {
             match std::fs::remove_file(&path) {
                 Ok(()) => {
                     removed += 1;
+                    let report = report_beside(&path).filter(|report| !self.has_part_of(report));
+                    if let Some(report) = report {
+                        let _ = std::fs::remove_file(report); // of a run that has left none there is nothing to remove
+                    }
                     warn!("{} removed: recordings had reached recorder.total_mib", path.display());
                 }
                 Err(error) => warn!("{} cannot be removed: {error}", path.display()),
             }
         }
         removed
+    }
+}
+
+impl Retention {
+    /// Whether a part of the run with this report is left.
+    fn has_part_of(&self, report: &Path) -> bool {
+        self.others.iter().any(|(path, _)| report_beside(path).as_deref() == Some(report))
     }
 }
 
@@ -107,8 +120,11 @@ mod tests {
         retention.look(folder.path(), &own);
         let left = || parts.map(|name| path(name).exists());
         assert_eq!((retention.keep(250 << 10), left()), (0, [true; 3]), "1000 KiB are within the limit");
-        assert_eq!((retention.keep(500 << 10), left()), (1, [false, true, true]));
-        assert_eq!((retention.keep(750 << 10), left()), (1, [false, false, true]));
+        // The report of a run goes with its last part.
+        let report = path("north-20260101.report.json");
+        std::fs::write(&report, "{}").expect("a report");
+        assert_eq!((retention.keep(500 << 10), left(), report.exists()), (1, [false, true, true], true));
+        assert_eq!((retention.keep(750 << 10), left(), report.exists()), (1, [false, false, true], false));
         assert_eq!((retention.keep(5 << 20), left()), (1, [false; 3]), "the one being written stays");
         for kept in ["north-east-20250101.000.mcap", "north-copy.mcap", "north-20260102.001.mcap"] {
             assert!(path(kept).exists(), "{kept}");

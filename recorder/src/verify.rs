@@ -13,6 +13,7 @@ use common::units::{NS_PER_S, seconds_between};
 
 use crate::fold::read_counts;
 use crate::losses::{Losses, Missing};
+use crate::schedule::Schedule;
 
 /// Findings that are named one by one, per file.
 const LISTED: u64 = 20;
@@ -66,7 +67,7 @@ impl Verification {
         let before = if follows { self.losses.take() } else { None };
         let (mut losses, known) = match before.or_else(from_counts) {
             Some(losses) => (losses, true),
-            None => (Losses::new(|_| 0), false),
+            None => (Losses::new(Schedule::default()), false),
         };
         let _ = writeln!(self.text, "{name}");
         let (mut count, mut joined) = (Count::default(), [known; TOPICS]);

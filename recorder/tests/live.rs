@@ -339,7 +339,7 @@ fn stages_started_by_hand_replay_a_run_and_leave_it_as_it_was() {
 
     assert!((content(&file), content(&folder.join("report.json"))) == before, "the old run is as it was");
     let files = std::fs::read_dir(folder.join("recordings")).expect("a folder").count();
-    assert_eq!(files, 1, "nothing lies beside the old run");
+    assert_eq!(files, 2, "nothing lies beside the old run and its report");
     let text = std::fs::read_to_string(folder.join("replay/report.json")).expect("a report");
     let report: Report = serde_json::from_str(&text).expect("a report of this version");
     assert_eq!((report.messages["plots"], report.messages["tracks"], report.lost()), (end, end, 0));

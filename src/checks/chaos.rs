@@ -53,6 +53,7 @@ pub(crate) fn chaos(mut sites: Sites, kills: u32) -> anyhow::Result<ExitCode> {
     let reports = outcome.report.sites();
     let books = reports.iter().flat_map(|(_, report)| &report.books);
     findings.extend(books.filter(|book| !book.balances()).map(unbalanced));
+    findings.extend(reports.iter().flat_map(|(_, report)| contradictions(&report.books)));
     findings.extend(Domain::remains(&ipc).into_iter().map(|file| format!("left behind: {file}")));
     let parts = reports.iter().filter_map(|(_, report)| report.recording.as_ref());
     findings.extend(parts.flat_map(|part| recordings(Path::new(part))));
@@ -67,6 +68,15 @@ pub(crate) fn chaos(mut sites: Sites, kills: u32) -> anyhow::Result<ExitCode> {
     } else {
         Ok(ExitCode::from(EXIT_CHECK_BROKEN))
     }
+}
+
+/// Topics of which the books of two consumers say that different numbers were sent.
+fn contradictions(books: &[Book]) -> impl Iterator<Item = String> {
+    let pairs =
+        books.iter().enumerate().flat_map(|(place, book)| books[..place].iter().map(move |other| (other, book)));
+    pairs.filter(|(a, b)| a.topic == b.topic && a.sent != b.sent).map(|(a, b)| {
+        format!("{} sent: {} as {} has it, {} as {} has it", a.topic, a.sent, a.consumer, b.sent, b.consumer)
+    })
 }
 
 /// Length of a scan in processing time, s.

@@ -68,8 +68,12 @@ pub(crate) fn compare(a: &Path, b: &Path, tolerance: f64) -> anyhow::Result<Exit
         );
     }
     let rows = [latencies(&before, &after, tolerance), others(&before, &after)].concat();
-    println!("{:<30}{:>12}{:>12}   ", "", "before", "after");
-    for Row { name, before, after, found, verdict } in &rows {
+    // What is too short to tell is summed up below.
+    let told: Vec<&Row> = rows.iter().filter(|row| row.verdict != Verdict::TooShort).collect();
+    if !told.is_empty() {
+        println!("{:<30}{:>12}{:>12}   ", "", "before", "after");
+    }
+    for Row { name, before, after, found, verdict } in told {
         let mark = if *verdict == Verdict::Worse { "  WORSE" } else { "" };
         println!("{name:<30}{before:>12}{after:>12}   {found}{mark}");
     }

@@ -1,6 +1,29 @@
-//! What machine this is, as the kernel says.
+//! What machine this is, as the kernel says, and what it allows.
 
+use common::process::BadInput;
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use serde::Serialize;
+
+/// Open files that a process of a chain needs, and for each further site.
+const FILES: u64 = 128;
+const FILES_PER_SITE: u64 = 64;
+
+/// Raises the limit of open files of this process, and of the stages that it starts, as far as the system allows.
+///
+/// # Errors
+/// [`BadInput`] if that is too few for a chain of so many sites: stages would wait for each other for ever.
+pub(crate) fn allow_files(sites: usize) -> Result<(), BadInput> {
+    let needed = FILES + FILES_PER_SITE * (sites as u64).saturating_sub(1);
+    let limit = getrlimit(Resource::Nofile);
+    let _ = setrlimit(Resource::Nofile, Rlimit { current: limit.maximum, maximum: limit.maximum });
+    let allowed = getrlimit(Resource::Nofile).current;
+    match allowed.filter(|&allowed| allowed < needed) {
+        Some(allowed) => Err(BadInput(format!(
+            "{allowed} open files are allowed (ulimit -Hn), expected at least {needed} for this chain"
+        ))),
+        None => Ok(()),
+    }
+}
 
 /// The machine of a report.
 #[derive(Debug, Clone, Serialize)]

@@ -3,5 +3,5 @@
 pub(crate) mod chaos;
 pub(crate) mod compare;
 pub(crate) mod doctor;
-mod machine;
+pub(crate) mod machine;
 pub(crate) mod soak;

@@ -1,5 +1,7 @@
 //! The stages of a chain whose launcher has died: they go on, and a new launcher finds them.
 
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
@@ -8,6 +10,7 @@ use common::ipc::{Domain, Inhabitant};
 use common::process::BadInput;
 use common::topology::Stage;
 
+use super::child::Process;
 use super::name::{KEEPER, STATUS, StageId, label};
 
 /// Passing visitors of a domain, such as `radar-chain status`, have left after this time.
@@ -33,7 +36,7 @@ impl Orphans {
         domain.clean_dead_nodes();
         let began = Instant::now();
         let processes = loop {
-            let (inhabitants, visited) = Self::living(&domain);
+            let (inhabitants, visited) = Self::living(&domain, &configuration(sites));
             if !inhabitants.is_empty() || !visited || began.elapsed() > VISIT {
                 break inhabitants;
             }
@@ -52,7 +55,7 @@ impl Orphans {
                 names.join(", ")
             ))
         };
-        let file = root.join("chain.toml");
+        let file = configuration(sites);
         if !file.exists() {
             return Err(refuse("without a launcher").into());
         }
@@ -70,21 +73,56 @@ impl Orphans {
 
     /// Whether no stage of any chain lives in the domain: then its files can go.
     pub(crate) fn are_gone(sites: &Sites) -> anyhow::Result<bool> {
-        Ok(Self::living(&Domain::enter(&sites.first().ipc)?).0.is_empty())
+        Ok(Self::living(&Domain::enter(&sites.first().ipc)?, &configuration(sites)).0.is_empty())
     }
 
-    /// The stages that live in a domain, and whether somebody looks at its status.
-    fn living(domain: &Domain) -> (Vec<Inhabitant>, bool) {
+    /// The stages that live in a domain or are about to enter it, and whether somebody looks at its status.
+    fn living(domain: &Domain, file: &Path) -> (Vec<Inhabitant>, bool) {
         let mut inhabitants = domain.inhabitants();
         let visited = inhabitants.iter().any(|of| of.process == STATUS);
         inhabitants.retain(|of| of.process == KEEPER || Stage::from_name(&of.process).is_some());
+        let known: Vec<u32> = inhabitants.iter().map(|of| of.pid).collect();
+        inhabitants.extend(started(file).filter(|of| !known.contains(&of.pid)));
         (inhabitants, visited)
     }
 
     /// The process of a stage.
     pub(crate) fn process(&self, id: &StageId) -> Option<u32> {
-        let is_it =
-            |of: &&Inhabitant| of.process == id.process() && id.site_name.as_ref().is_none_or(|site| *site == of.site);
-        self.processes.iter().find(is_it).map(|of| of.pid)
+        self.processes.iter().find(|of| is_stage(of, id)).map(|of| of.pid)
     }
+
+    /// Ends all of them at once and waits until they have ended.
+    pub(crate) fn kill(&self) {
+        self.processes.iter().filter_map(|of| Process::adopt(of.pid)).for_each(|mut process| process.kill());
+    }
+}
+
+/// A process that a launcher has started as the stage `id` with the configuration `file`, and that may not have entered the domain.
+pub(crate) fn find_started(file: &Path, id: &StageId) -> Option<u32> {
+    started(file).find(|of| is_stage(of, id)).map(|of| of.pid)
+}
+
+fn is_stage(of: &Inhabitant, id: &StageId) -> bool {
+    of.process == id.process() && id.site_name.as_ref().is_none_or(|site| *site == of.site)
+}
+
+/// The processes that launchers have started with the configuration `file`, by their command lines ([`Process::start`]): a
+/// stage that is slow to enter its domain is there all the same, and must not be started twice.
+fn started(file: &Path) -> impl Iterator<Item = Inhabitant> {
+    let user = rustix::process::geteuid().as_raw();
+    let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    entries.filter_map(move |entry| {
+        let pid = entry.file_name().to_str()?.parse().ok()?;
+        let command = std::fs::read(entry.path().join("cmdline")).ok()?;
+        let words: Vec<&str> = std::str::from_utf8(&command).ok()?.split('\0').collect();
+        let [_, "stage", process, "--config", of_file, rest @ ..] = &words[..] else { return None };
+        let is_ours = Path::new(of_file) == file && entry.metadata().ok()?.uid() == user;
+        let site = if let ["--site", site, ..] = rest { site } else { "" };
+        is_ours.then(|| Inhabitant { process: (*process).to_string(), site: site.to_string(), pid })
+    })
+}
+
+/// The configuration that the launcher of a domain writes down for its stages.
+pub(crate) fn configuration(sites: &Sites) -> PathBuf {
+    Domain::root(&sites.first().ipc).join("chain.toml")
 }

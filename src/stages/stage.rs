@@ -83,6 +83,13 @@ impl Stage {
         Self { id, suspected: None, restarts: 0, state, backoff: first_pause(config) }
     }
 
+    /// Takes over a process that another launcher has started, and that was not seen before.
+    pub(crate) fn take_over(&mut self, pid: u32) -> bool {
+        let Some(process) = Process::adopt(pid) else { return false };
+        self.state = State::Running { process, since: Instant::now() };
+        true
+    }
+
     /// Starts it again. Where that fails the next attempt is due after a pause.
     pub(crate) fn restart(&mut self, file: &Path, overrides: &[String]) -> anyhow::Result<()> {
         self.restarts += 1;

@@ -10,7 +10,7 @@ use common::topology::Role;
 use rustix::process::Signal;
 
 use super::name::StageId;
-use super::orphans::Orphans;
+use super::orphans::{Orphans, find_started};
 use super::resume::{TRACKS_PER_START, next_scan, note_tracker_start};
 use super::stage::{Event, Stage};
 use crate::watch::board::Board;
@@ -163,7 +163,8 @@ impl Supervisor {
                 if id.stage.is_source() && said_end {
                     self.endings[ending].since.get_or_insert_with(Instant::now); // it had sent everything
                 }
-                if self.endings[ending].since.is_some() {
+                let is_recorder = id.stage.role == Role::Recorder;
+                if self.endings[ending].since.is_some() && !is_recorder {
                     // Nothing would tell a new one that it is the end.
                     if !id.stage.is_source() {
                         screen.say(&format!("{id} died while the chain was ending"));
@@ -178,8 +179,16 @@ impl Supervisor {
                     return Ok(Some(End::Failed(EXIT_FAILED)));
                 }
                 screen.say(&format!("{id} ended {cause}: starting it again"));
+                // The end of the stream has passed a recorder that is started again now: it is told by a signal.
+                self.endings[ending].told = false;
+                self.endings[ending].since = self.endings[ending].since.map(|_| Instant::now());
             }
             Event::Due => {
+                // One that a dead launcher has started and that was slow to say so: two of a stage would share its work.
+                if find_started(&self.file, &id).is_some_and(|pid| self.stages[index].take_over(pid)) {
+                    screen.say(&format!("{id} of the chain whose launcher has died: taken over"));
+                    return Ok(None);
+                }
                 let overrides = self.resume_at(&self.stages[index], board);
                 if let Err(error) = self.stages[index].restart(&self.file, &overrides) {
                     if self.stages[index].restarts >= supervision.max_restarts {

@@ -1,5 +1,7 @@
 //! The supervisor's endpoint in a domain, for launcher and keeper: services held open, health read, metrics served.
 
+use std::time::{Duration, Instant};
+
 use common::config::Sites;
 use common::ipc::{Domain, Flow, IpcError, Keeper, Station, Subscriber, Wake, attend};
 use common::messages::HealthReports;
@@ -8,6 +10,9 @@ use common::topic::Topic;
 
 use super::board::Board;
 use super::metrics::Metrics;
+
+/// The files of the domain are marked as used this often.
+const MARK: Duration = Duration::from_secs(3600);
 
 /// A place in the domain from which the stages of all sites are seen.
 pub(crate) struct Endpoint {
@@ -63,10 +68,15 @@ impl Endpoint {
         mut look: impl FnMut(&mut Self) -> anyhow::Result<Look>,
     ) -> anyhow::Result<()> {
         let wakes: Vec<&Wake> = wakes.iter().collect();
+        let mut marked = Instant::now();
         attend(&wakes, &self.reporter.watchdog(), || {
             self.read_health()?;
             let Look { flow, restarts } = look(self)?;
             self.domain().clean_dead_nodes();
+            if marked.elapsed() > MARK {
+                marked = Instant::now();
+                self.domain().keep_fresh();
+            }
             self.reporter.health.restarts = restarts;
             self.reporter.health.ended = u32::from(flow == Flow::End);
             if flow == Flow::End || self.reporter.is_due() {

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use common::config::MetricsConfig;
 use common::health::{Condition, Health, LatencySummary, RealtimeSetting};
@@ -17,9 +17,12 @@ use common::time::monotonic_ns;
 use common::units::NS_PER_S;
 
 use super::board::{Board, SiteBoard};
+use crate::stages::name::LAUNCHER;
 
 /// A slower scraper is disconnected.
 const TIMEOUT: Duration = Duration::from_secs(2);
+/// Scrapers that are answered at the same time; more are disconnected.
+const SCRAPERS: usize = 16;
 /// A process that has said nothing for so long is not up, s.
 const SILENT_S: f64 = 10.0;
 /// Longest request that is read, bytes.
@@ -41,12 +44,25 @@ impl Metrics {
         let listener = TcpListener::bind(wanted).map_err(refused)?;
         let address = listener.local_addr().map_err(refused)?;
         let shown = Arc::clone(&page);
-        std::thread::Builder::new().name("metrics".into()).spawn(move || {
+        let named = |name: &str| std::thread::Builder::new().name(name.into());
+        named("metrics").spawn(move || {
+            // Each in a thread of its own: one that is slow keeps nobody waiting.
+            let served = Arc::new(());
             for stream in listener.incoming().flatten() {
+                if Arc::strong_count(&served) > SCRAPERS {
+                    continue;
+                }
                 let text = shown.lock().unwrap_or_else(PoisonError::into_inner).clone();
-                let _ = answer(stream, &text); // a scraper that has gone away is no loss
+                let place = Arc::clone(&served);
+                let _ = named("scraper").spawn(move || {
+                    let _ = answer(stream, &text); // a scraper that has gone away is no loss
+                    drop(place);
+                });
             }
         })?;
+        if !wanted.ip().is_loopback() {
+            common::process::say(&format!("metrics.listen = {wanted}: whoever reaches this address reads the metrics"));
+        }
         common::process::say(&format!("metrics on http://{address}/metrics"));
         Ok(Self { page, address: Some(address) })
     }
@@ -62,16 +78,20 @@ impl Metrics {
 
 /// Answers one request.
 fn answer(mut stream: TcpStream, page: &str) -> std::io::Result<()> {
-    stream.set_read_timeout(Some(TIMEOUT))?;
+    let until = Instant::now() + TIMEOUT;
     stream.set_write_timeout(Some(TIMEOUT))?;
     let (mut request, mut length) = ([0; REQUEST], 0);
     while length < REQUEST && !request[..length].windows(4).any(|end| end == b"\r\n\r\n") {
+        // For the whole request: a byte now and then is no reason to wait on.
+        let left = until.saturating_duration_since(Instant::now()).max(Duration::from_millis(1));
+        stream.set_read_timeout(Some(left))?;
         match stream.read(&mut request[length..])? {
             0 => break,
             more => length += more,
         }
     }
-    let found = request.starts_with(b"GET / ") || request.starts_with(b"GET /metrics ");
+    let path = request.strip_prefix(b"GET ").and_then(|rest| rest.split(|&byte| byte == b' ' || byte == b'?').next());
+    let found = path.is_some_and(|path| path == b"/" || path == b"/metrics");
     let (status, body) = if found { ("200 OK", page) } else { ("404 Not Found", "see /metrics\n") };
     write!(
         stream,
@@ -102,7 +122,7 @@ const FIGURES: [Figure; 15] = [
     ("radar_resident_memory_bytes", "gauge", "Resident memory", |health| health.rss_bytes as f64),
     ("radar_open_files", "gauge", "Open file descriptors", |health| f64::from(health.files)),
     ("radar_plots", "gauge", "Plots of the last whole scan", |health| f64::from(health.plots)),
-    ("radar_tracks", "gauge", "Tracks alive, or true targets of a source", |health| f64::from(health.tracks)),
+    ("radar_tracks", "gauge", "Tracks alive", |health| f64::from(health.tracks)),
     ("radar_tracks_confirmed", "gauge", "Tracks confirmed", |health| f64::from(health.confirmed)),
     (
         "radar_restarts_total",
@@ -117,16 +137,32 @@ const FIGURES: [Figure; 15] = [
     }),
 ];
 
+/// Whether a figure says something of a process: only a tracker has tracks, only who makes or takes plots has those.
+fn applies(figure: &str, process: &str) -> bool {
+    let is = |names: &[&str]| names.contains(&process);
+    match figure {
+        "radar_plots" => is(&[plot_extractor::process::NAME, tracker::process::NAME]),
+        "radar_tracks" | "radar_tracks_confirmed" => is(&[tracker::process::NAME]),
+        "radar_restarts_total" => is(&[LAUNCHER]),
+        _ => true,
+    }
+}
+
 /// The whole page.
 fn page(board: &Board) -> String {
     let mut text = String::new();
+    let (version, git) = (env!("CARGO_PKG_VERSION"), option_env!("RADAR_CHAIN_GIT").unwrap_or("unknown"));
+    let _ = writeln!(text, "# HELP radar_build_info Version of the program\n# TYPE radar_build_info gauge");
+    let _ = writeln!(text, "radar_build_info{{version=\"{version}\",git=\"{git}\"}} 1");
     let head = |text: &mut String, name: &str, kind: &str, help: &str| {
         let _ = writeln!(text, "# HELP {name} {help}\n# TYPE {name} {kind}");
     };
     for (name, kind, help, value) in FIGURES {
         head(&mut text, name, kind, help);
         for_each_process(board, |labels, health| {
-            let _ = writeln!(text, "{name}{{{labels}}} {}", value(health));
+            if applies(name, health.process.as_str()) {
+                let _ = writeln!(text, "{name}{{{labels}}} {}", value(health));
+            }
         });
     }
     head(&mut text, "radar_starts_total", "counter", "Starts of the process, whoever started it");

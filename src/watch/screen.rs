@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::time::{Duration, Instant};
 
-use common::config::{ChainConfig, Sites};
+use common::config::{ChainConfig, Sites, Speed};
 use common::latency::LATENCY_NAMES;
 use crossterm::cursor::MoveToPreviousLine;
 use crossterm::terminal::{Clear, ClearType, size};
@@ -30,7 +30,8 @@ pub(crate) struct Screen {
 impl Screen {
     /// Standard error, as a terminal or not.
     pub(crate) fn new() -> Self {
-        Self { terminal: std::io::stderr().is_terminal(), drawn_lines: 0, last: None, left: None }
+        // At first there is nothing to show, and what a stage finds wrong comes alone.
+        Self { terminal: std::io::stderr().is_terminal(), drawn_lines: 0, last: Some(Instant::now()), left: None }
     }
 
     /// Says from now on how long the run still takes.
@@ -187,14 +188,12 @@ fn write_site(text: &mut String, chain: &ChainConfig, board: &SiteBoard, restart
         if latency.n > 0 {
             let limits: Vec<String> =
                 budget.limits().map(|(percentile, limit_us)| format!("p{percentile} ≤ {limit_us:.0}")).collect();
-            let _ = writeln!(
-                text,
-                "{name:<16}{:>9.0}{:>9.0}   {}, over budget in {} scans",
-                latency.p50_us,
-                latency.p99_us,
-                limits.join(", "),
-                latency.misses
-            );
+            let told = if chain.run.speed == Speed::Max && budget.further().next().is_none() {
+                "not applied at full speed".to_string()
+            } else {
+                format!("{}, over budget in {} scans", limits.join(", "), latency.misses)
+            };
+            let _ = writeln!(text, "{name:<16}{:>9.0}{:>9.0}   {told}", latency.p50_us, latency.p99_us);
         }
     }
 }

@@ -8,7 +8,7 @@ use common::health::{Condition, Health, RealtimeSetting};
 use common::ipc::{Domain, Flow, Station, Watchdog, attend};
 use common::latency::LATENCY_NAMES;
 use common::messages::HealthReports;
-use common::process::BadInput;
+use common::process::{BadInput, print};
 use common::topic::Topic;
 use serde_json::{Map, Value, json};
 
@@ -54,9 +54,9 @@ pub(crate) fn status(sites: &Sites, json: bool) -> anyhow::Result<ExitCode> {
             Some(_) => of_sites.next().map(|(_, of_site)| of_site).unwrap_or_default(),
             None => Value::Object(of_sites.collect()),
         };
-        println!("{}", serde_json::to_string_pretty(&all)?);
+        print(&format!("{}\n", serde_json::to_string_pretty(&all)?));
     } else {
-        print!("{}", picture(&running, &board));
+        print(&picture(&running, &board));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -128,7 +128,8 @@ impl Bench {
     /// Recordings made, in the order of their names.
     pub(crate) fn recordings(&self) -> Vec<PathBuf> {
         let entries = std::fs::read_dir(self.path("recordings")).expect("recordings");
-        let mut files: Vec<_> = entries.map(|entry| entry.expect("entry").path()).collect();
+        let files = entries.map(|entry| entry.expect("entry").path());
+        let mut files: Vec<_> = files.filter(|file| file.extension().is_some_and(|end| end == "mcap")).collect();
         files.sort();
         files
     }

@@ -137,6 +137,16 @@ pub(super) fn not_negative(key: &str, value: f64) -> Result<(), ConfigError> {
     require(key, value, value.is_finite() && value >= 0.0, "a number of at least 0")
 }
 
+/// A time above zero that a clock can count, s.
+pub(super) fn seconds(key: &str, value: f64) -> Result<(), ConfigError> {
+    require(key, value, value > 0.0 && value <= 1e9, "a number above 0, at most 1e9")
+}
+
+/// A time that a clock can count, 0 for none, s.
+pub(super) fn seconds_or_none(key: &str, value: f64) -> Result<(), ConfigError> {
+    require(key, value, (0.0..=1e9).contains(&value), "a number from 0 to 1e9")
+}
+
 /// A probability, both ends excluded.
 pub(super) fn probability(key: &str, value: f64) -> Result<(), ConfigError> {
     require(key, value, value > 0.0 && value < 1.0, "a probability between 0 and 1, both excluded")

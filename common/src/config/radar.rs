@@ -102,7 +102,8 @@ impl RadarConfig {
     }
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        positive("radar.scan_period_s", self.scan_period_s)?;
+        let valid = (1e-3..=1e4).contains(&self.scan_period_s);
+        require("radar.scan_period_s", self.scan_period_s, valid, "a number from 0.001 to 10000")?;
         within("radar.dwells_per_scan", self.dwells_per_scan.into(), 4..=65_536)?;
         within("radar.sectors_per_scan", self.sectors_per_scan.into(), 1..=u64::from(self.dwells_per_scan))?;
         within("radar.elevations", self.elevations.into(), 1..=1024)?;
@@ -114,7 +115,8 @@ impl RadarConfig {
         let within_sky = self.elevation_first_deg > -90.0 && top_deg < 90.0;
         require("radar.elevation_first_deg", self.elevation_first_deg, within_sky, "all beams between -90° and 90°")?;
         positive("radar.elevation_step_deg", self.elevation_step_deg)?;
-        positive("radar.range_rate_step_mps", self.range_rate_step_mps)?;
+        let valid = (1e-3..=1e6).contains(&self.range_rate_step_mps);
+        require("radar.range_rate_step_mps", self.range_rate_step_mps, valid, "a number from 0.001 to 1000000")?;
         positive("radar.range_step_m", self.range_step_m)?;
         not_negative("radar.range_first_m", self.range_first_m)?;
         positive("radar.beamwidth_azimuth_deg", self.beamwidth_azimuth_deg)?;

@@ -46,26 +46,33 @@ impl Default for RecorderConfig {
 }
 
 /// When a track counts as following a target. The first group is for truth from cooperative
-/// sensors, the second for simulated truth.
+/// sensors, the second for simulated truth. Distances and times that are left out follow from the radar: a track may be three
+/// resolution cells from its target, and half of the way that the target makes in a scan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ScoringConfig {
     /// Cooperative truth counts where it moves faster than this, m/s.
     pub speed_min_mps: f64,
-    /// Cooperative truth counts within this range of the radar, m.
-    pub range_max_m: f64,
-    /// A confirmed track follows a cooperative target within this distance, m.
-    pub gate_m: f64,
-    /// A track is interpolated over gaps up to this, s.
-    pub gap_max_s: f64,
-    /// A track is predicted past its last report up to this, s.
-    pub hold_max_s: f64,
-    /// A confirmed track follows a simulated target within this distance, m.
-    pub target_gate_m: f64,
+    /// Cooperative truth counts within this range of the radar, m; left out: where it is visible to the radar.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range_max_m: Option<f64>,
+    /// A confirmed track follows a cooperative target within this distance, m; left out: from the radar's cells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gate_m: Option<f64>,
+    /// A track is interpolated over gaps up to this, s; left out: 5 scans.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap_max_s: Option<f64>,
+    /// A track is predicted past its last report up to this, s; left out: 2 scans.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hold_max_s: Option<f64>,
+    /// A confirmed track follows a simulated target within this distance, m; left out: from the radar's cells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target_gate_m: Option<f64>,
     /// Scans in which a simulated target has to be confirmed.
     pub confirm_scans: u32,
-    /// Cut-off distance c of GOSPA, m.
-    pub gospa_cutoff_m: f64,
+    /// Cut-off distance c of GOSPA, m; left out: half the distance at which tracks follow the first targets.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gospa_cutoff_m: Option<f64>,
     /// Order p of GOSPA.
     pub gospa_order: f64,
 }
@@ -74,13 +81,13 @@ impl Default for ScoringConfig {
     fn default() -> Self {
         Self {
             speed_min_mps: 3.0,
-            range_max_m: 3000.0,
-            gate_m: 75.0,
-            gap_max_s: 5.0,
-            hold_max_s: 2.0,
-            target_gate_m: 200.0,
+            range_max_m: None,
+            gate_m: None,
+            gap_max_s: None,
+            hold_max_s: None,
+            target_gate_m: None,
             confirm_scans: 5,
-            gospa_cutoff_m: 100.0,
+            gospa_cutoff_m: None,
             gospa_order: 2.0,
         }
     }
@@ -107,13 +114,20 @@ impl RecorderConfig {
 impl ScoringConfig {
     fn check(&self) -> Result<(), ConfigError> {
         not_negative("recorder.scoring.speed_min_mps", self.speed_min_mps)?;
-        positive("recorder.scoring.range_max_m", self.range_max_m)?;
-        positive("recorder.scoring.gate_m", self.gate_m)?;
-        not_negative("recorder.scoring.gap_max_s", self.gap_max_s)?;
-        not_negative("recorder.scoring.hold_max_s", self.hold_max_s)?;
-        positive("recorder.scoring.target_gate_m", self.target_gate_m)?;
+        for (key, value) in [
+            ("recorder.scoring.range_max_m", self.range_max_m),
+            ("recorder.scoring.gate_m", self.gate_m),
+            ("recorder.scoring.target_gate_m", self.target_gate_m),
+            ("recorder.scoring.gospa_cutoff_m", self.gospa_cutoff_m),
+        ] {
+            value.map_or(Ok(()), |value| positive(key, value))?;
+        }
+        for (key, value) in
+            [("recorder.scoring.gap_max_s", self.gap_max_s), ("recorder.scoring.hold_max_s", self.hold_max_s)]
+        {
+            value.map_or(Ok(()), |value| not_negative(key, value))?;
+        }
         within("recorder.scoring.confirm_scans", self.confirm_scans.into(), 1..=1000)?;
-        positive("recorder.scoring.gospa_cutoff_m", self.gospa_cutoff_m)?;
         let valid = (1.0..=100.0).contains(&self.gospa_order);
         require("recorder.scoring.gospa_order", self.gospa_order, valid, "a number from 1 to 100")
     }

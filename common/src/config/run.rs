@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::pace::Speed;
 
-use super::load::{ConfigError, positive, within};
+use super::load::{ConfigError, require, within};
 
 /// Where plots come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -85,7 +85,8 @@ impl Default for RunConfig {
 impl RunConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         if let Speed::Times(factor) = self.speed {
-            positive("run.speed", factor)?;
+            let valid = (1e-6..=1e6).contains(&factor);
+            require("run.speed", factor, valid, "`max` or a number from 1e-6 to 1e6")?;
         }
         within("run.epoch_s", self.epoch_s, 0..=10_000_000_000)
     }

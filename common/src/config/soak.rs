@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::load::{ConfigError, not_negative, positive, require};
+use super::load::{ConfigError, not_negative, require, seconds};
 
 /// Limits of `radar-chain soak` beside the budgets.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -31,7 +31,7 @@ impl Default for SoakConfig {
 
 impl SoakConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        positive("soak.interval_s", self.interval_s)?;
+        seconds("soak.interval_s", self.interval_s)?;
         let share = self.warm_up;
         require("soak.warm_up", share, (0.0..=0.5).contains(&share), "a share of the run from 0 to 0.5")?;
         not_negative("soak.growth_mib", self.growth_mib)

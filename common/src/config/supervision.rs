@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::load::{ConfigError, not_negative, positive, require};
+use super::load::{ConfigError, require, seconds, seconds_or_none};
 
 /// Restarting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -30,8 +30,8 @@ impl Default for SupervisionConfig {
 
 impl SupervisionConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        not_negative("supervision.backoff_s", self.backoff_s)?;
-        not_negative("supervision.drain_s", self.drain_s)?;
+        seconds_or_none("supervision.backoff_s", self.backoff_s)?;
+        seconds_or_none("supervision.drain_s", self.drain_s)?;
         // Processes speak once a second.
         let limits = [("supervision.hang_s", self.hang_s), ("supervision.recorder_hang_s", self.recorder_hang_s)];
         limits.into_iter().try_for_each(|(key, limit_s)| {
@@ -58,7 +58,7 @@ impl Default for WatchdogConfig {
 
 impl WatchdogConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        positive("watchdog.silence_s", self.silence_s)?;
-        positive("watchdog.slow_s", self.slow_s)
+        seconds("watchdog.silence_s", self.silence_s)?;
+        seconds("watchdog.slow_s", self.slow_s)
     }
 }

@@ -209,7 +209,12 @@ impl TrackerConfig {
         let union = self.gate_union_probability;
         require("tracker.gate_union_probability", union, (0.0..1.0).contains(&union), "a number from 0, below 1")?;
         let most = self.gate_false_plots;
-        require("tracker.gate_false_plots", most, most == 0.0 || most >= 0.01, "0 or a number from 0.01 up")?;
+        require(
+            "tracker.gate_false_plots",
+            most,
+            most == 0.0 || (0.01..=1e9).contains(&most),
+            "0 or a number from 0.01 to 1e9",
+        )?;
         not_negative("tracker.range_rate_inflation", self.range_rate_inflation)?;
         within("tracker.hypotheses", self.hypotheses.into(), 1..=256)?;
         probability("tracker.clutter_floor", self.clutter_floor)?;

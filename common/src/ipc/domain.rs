@@ -1,11 +1,12 @@
 //! A shared-memory domain: chains with different prefixes do not see each other.
 
-use std::os::unix::fs::MetadataExt;
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::PathBuf;
 use std::time::Duration;
 
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::*;
+use rustix::fs::{AtFlags, CWD, Timespec, Timestamps, UTIME_NOW, utimensat};
 
 use super::IpcError;
 use crate::config::{ChainConfig, IpcConfig, Sites};
@@ -66,8 +67,19 @@ impl Domain {
             .map_err(|cause| error(format!("path refused: {cause:?}")))?;
         config.global.set_root_path(&root_path);
 
-        std::fs::create_dir_all(&root).map_err(|cause| error(cause.to_string()))?;
-        let owner = std::fs::metadata(&root).map_err(|cause| error(cause.to_string()))?.uid();
+        if let Some(parent) = root.parent() {
+            std::fs::create_dir_all(parent).map_err(|cause| error(cause.to_string()))?;
+        }
+        match std::fs::DirBuilder::new().mode(0o700).create(&root) {
+            Err(cause) if cause.kind() != std::io::ErrorKind::AlreadyExists => return Err(error(cause.to_string())),
+            _ => {}
+        }
+        // Of the folder itself: a link would lead to what its maker chose.
+        let there = std::fs::symlink_metadata(&root).map_err(|cause| error(cause.to_string()))?;
+        if !there.is_dir() {
+            return Err(error("it is no folder: remove it".into()));
+        }
+        let owner = there.uid();
         if owner != rustix::process::geteuid().as_raw() {
             return Err(IpcError::OtherUser { prefix: ipc.prefix.clone(), owner });
         }
@@ -135,6 +147,19 @@ impl Domain {
             std::thread::sleep(Duration::from_millis(10));
         }
         alive
+    }
+
+    /// Marks every file of the domain as used now: cleaners of temporary folders remove what has not been used for days.
+    pub fn keep_fresh(&self) {
+        let now = Timespec { tv_sec: 0, tv_nsec: UTIME_NOW };
+        let times = Timestamps { last_access: now, last_modification: now };
+        let mut paths = vec![self.root.clone(), self.root.with_extension("lock")];
+        while let Some(path) = paths.pop() {
+            // One that has just gone needs no mark.
+            let _ = utimensat(CWD, &path, &times, AtFlags::SYMLINK_NOFOLLOW);
+            let entries = std::fs::read_dir(&path).into_iter().flatten().flatten();
+            paths.extend(entries.map(|entry| entry.path()));
+        }
     }
 
     /// Whether any living process uses the domain.
@@ -255,4 +280,27 @@ pub(super) fn clean_dead_nodes(config: &Config) {
         }
         CallbackProgression::Continue
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::{Duration, SystemTime};
+
+    #[test]
+    fn files_of_a_domain_that_is_kept_fresh_are_young() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let root = folder.path().join("radar-chain-x");
+        std::fs::create_dir_all(root.join("services")).expect("folders");
+        let files = [root.join("chain.toml"), root.join("services/one"), root.with_extension("lock")];
+        let old = SystemTime::now() - Duration::from_secs(20 * 86_400);
+        for file in &files {
+            std::fs::File::create(file).and_then(|file| file.set_modified(old)).expect("an old file");
+        }
+        Domain { file_prefix: String::new(), root, config: Config::default() }.keep_fresh();
+        for file in &files {
+            let modified = std::fs::metadata(file).and_then(|about| about.modified()).expect("a time");
+            assert!(modified > old + Duration::from_secs(86_400), "{}", file.display());
+        }
+    }
 }

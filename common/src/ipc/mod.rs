@@ -13,6 +13,7 @@ mod intake;
 mod observers;
 mod ports;
 mod publisher;
+mod reach;
 mod services;
 mod station;
 mod subscriber;
@@ -49,6 +50,16 @@ pub enum IpcError {
         /// Delivery mode wanted.
         mode: &'static str,
         /// Why.
+        reason: String,
+    },
+    /// A process was killed while it made a service, and no launcher holds the services of this domain open.
+    #[error(
+        "service `{service}` was left half made ({reason}): end all processes of this domain, then start the chain again"
+    )]
+    HalfMade {
+        /// Name of the service.
+        service: String,
+        /// What the middleware says.
         reason: String,
     },
     /// A port cannot be created on an open service, or fails.

@@ -228,7 +228,11 @@ impl Station {
             .history_size(M::HISTORY)
             .enable_safe_overflow(mode == Mode::RealTime)
             .open_or_create_with_attributes(&attributes)
-            .map_err(|cause| error(format!("{}{}", explain(&format!("{cause:?}")), self.present(&name))))
+            .map_err(|cause| {
+                let cause = format!("{cause:?}");
+                half_made(&service, &cause)
+                    .unwrap_or_else(|| error(format!("{}{}", explain(&cause), self.present(&name))))
+            })
     }
 
     /// What the attributes of a service that exists say: its version and mode.
@@ -252,16 +256,23 @@ impl Station {
             .max_notifiers(HealthReports::PUBLISHERS)
             .max_listeners(HealthReports::PUBLISHERS)
             .open_or_create()
-            .map_err(|cause| error(explain(&format!("{cause:?}"))))
+            .map_err(|cause| {
+                let cause = format!("{cause:?}");
+                half_made(service, &cause).unwrap_or_else(|| error(explain(&cause)))
+            })
     }
+}
+
+/// The error of a service that iceoryx2 finds in the making or damaged.
+fn half_made(service: &str, cause: &str) -> Option<IpcError> {
+    let is_half_made = ["Hangs", "Corrupted"].iter().any(|word| cause.contains(word));
+    is_half_made.then(|| IpcError::HalfMade { service: service.to_string(), reason: cause.to_string() })
 }
 
 /// Adds what a user can do about it to iceoryx2's names of errors.
 fn explain(cause: &str) -> String {
     let hint = if cause.contains("Attributes") || cause.contains("Types") || cause.contains("Overflow") {
         "a process of another version or delivery mode runs in this domain; stop it or use another --ipc-prefix"
-    } else if cause.contains("Hangs") || cause.contains("Corrupted") {
-        "a process was killed while it created the service; stop the chain and start it again"
     } else if cause.contains("Exceeds") {
         "too many processes use the service"
     } else {

@@ -2,12 +2,14 @@
 
 use std::cell::{Cell, RefCell};
 
+use iceoryx2::port::DegradationAction;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
 
 use super::IpcError;
 use super::intake::count_intake;
 use super::ports::{Inlet, Received};
+use super::reach::{Unreachable, lives, process_of};
 use super::services::{DataService, EventService, Ipc};
 use crate::health::Intake;
 use crate::message::{Header, Place};
@@ -23,6 +25,7 @@ pub(super) struct SubscriberPort<M: Message> {
     /// Tells publishers that a stage has found them; observers tell nobody.
     ready: Option<Notifier<Ipc>>,
     known_publishers: Cell<[u128; MAX_PUBLISHERS]>,
+    unreachable: Unreachable,
 }
 
 /// Publishers of a topic that are told apart.
@@ -31,14 +34,20 @@ const MAX_PUBLISHERS: usize = 16;
 impl<M: Message> SubscriberPort<M> {
     pub(super) fn new(service: DataService<M>, ready: &EventService, process: &str) -> Result<Self, IpcError> {
         let name = PortName::new(process).map_err(|cause| Self::failed(&cause))?;
-        let port = service.subscriber_builder().name(&name).create().map_err(|cause| Self::failed(&cause))?;
+        let unreachable = Unreachable::default();
+        let noted = unreachable.clone();
+        let builder = service.subscriber_builder().name(&name).set_degradation_handler(move |_, of| {
+            noted.note(of.sender_port_id);
+            DegradationAction::Ignore
+        });
+        let port = builder.create().map_err(|cause| Self::failed(&cause))?;
         let notifier = |stage: &Stage| {
             let builder = ready.notifier_builder().default_event_id(EventId::new(stage.number()));
             builder.create().map_err(|cause| Self::failed(&cause))
         };
         let ready = Stage::from_name(process).map(notifier).transpose()?;
         let (intake, session, known_publishers) = (RefCell::default(), Cell::new(0), Cell::default());
-        Ok(Self { service, port, intake, session, ready, known_publishers })
+        Ok(Self { service, port, intake, session, ready, known_publishers, unreachable })
     }
 
     /// Identities of the publishers there are, in no order; 0 for none.
@@ -50,6 +59,23 @@ impl<M: Message> SubscriberPort<M> {
             CallbackProgression::Continue
         });
         ids
+    }
+
+    /// An error if a living publisher could not be reached. One that has died is cleaned up and no loss.
+    fn check_reach(&self) -> Result<(), IpcError> {
+        let Some(port) = self.unreachable.take() else { return Ok(()) };
+        let mut alive = None;
+        self.service.dynamic_config().list_publishers(|details| {
+            if details.publisher_id.value() == port {
+                alive = process_of(&details.node_id).filter(|&pid| lives(pid));
+            }
+            CallbackProgression::Continue
+        });
+        let reason =
+            |pid| format!("the memory of its publisher, process {pid}, cannot be mapped (address space, open files?)");
+        alive.map_or(Ok(()), |pid| {
+            Err(IpcError::Port { port: "subscriber", topic: M::TOPIC.name(), reason: reason(pid) })
+        })
     }
 
     fn failed(cause: &dyn std::fmt::Debug) -> IpcError {
@@ -65,6 +91,7 @@ impl<M: Message> Inlet<M> for SubscriberPort<M> {
             if publishers != self.known_publishers.get() {
                 // This call connects to all of them: from now on a full queue of theirs waits instead of losing.
                 received = self.port.receive().map_err(|cause| Self::failed(&cause))?;
+                self.check_reach()?;
                 if received.is_none() {
                     self.known_publishers.set(publishers);
                     if let Some(ready) = &self.ready {

@@ -94,6 +94,8 @@ struct Watch {
     slow: Duration,
     wait: WaitStrategy,
     heard: Cell<Instant>,
+    /// Input has come at least once.
+    begun: Cell<bool>,
     condition: Cell<Condition>,
     silences: Cell<u32>,
     slow_steps: Cell<u32>,
@@ -109,6 +111,7 @@ impl Watchdog {
             slow: Duration::from_secs_f64(chain.watchdog.slow_s),
             wait: chain.realtime.of(process).wait,
             heard: Cell::new(Instant::now()),
+            begun: Cell::default(),
             condition: Cell::default(),
             silences: Cell::default(),
             slow_steps: Cell::default(),
@@ -125,9 +128,11 @@ impl Watchdog {
 
     /// Input has arrived.
     fn input(&self) {
-        self.0.heard.set(Instant::now());
+        let silent = self.0.heard.replace(Instant::now()).elapsed();
+        let begun = self.0.begun.replace(true);
         if self.0.condition.get() == Condition::UpstreamSilent {
-            tracing::info!("input has resumed");
+            // As loud as the warning that it ends.
+            tracing::warn!("input has {} after {silent:.0?}", if begun { "resumed" } else { "begun" });
             self.0.condition.set(Condition::Fine);
         }
     }
@@ -139,7 +144,11 @@ impl Watchdog {
         }
         if self.0.condition.replace(Condition::UpstreamSilent) != Condition::UpstreamSilent {
             self.0.silences.set(self.0.silences.get() + 1);
-            tracing::warn!("upstream silent: no input for {:?}", self.0.silence);
+            if self.0.begun.get() {
+                tracing::warn!("upstream silent: no input for {:?}", self.0.silence);
+            } else {
+                tracing::warn!("waiting for input: none has come for {:?}", self.0.silence);
+            }
         }
     }
 

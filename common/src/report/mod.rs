@@ -104,7 +104,7 @@ pub struct BudgetResult {
     pub percentile: f64,
     /// Scans with a value above the limit.
     pub misses: u64,
-    /// Whether every percentile lies within its limit; `true` without values.
+    /// Whether every percentile lies within its limit, as far as limits apply; `true` without values.
     pub ok: bool,
     /// Every percentile that has a limit.
     #[serde(default)]
@@ -122,6 +122,14 @@ pub struct LimitResult {
     pub value_us: f64,
     /// Whether the value lies within the limit.
     pub ok: bool,
+    /// Whether the limit applies: at full speed queues are full by design, so only limits given for it do.
+    #[serde(default = "applies")]
+    pub applied: bool,
+}
+
+/// Limits of reports that do not say.
+fn applies() -> bool {
+    true
 }
 
 /// One topic as one consumer got it. Books balance when `received + lost = sent`.
@@ -215,6 +223,9 @@ pub struct Detection {
     pub pd_measured: Option<f64>,
     /// Plots.
     pub plots: u64,
+    /// Plots found and left out, because their message was full.
+    #[serde(default)]
+    pub left_out: u64,
     /// Sights of visible targets that were too close to another to count in the shares and errors.
     pub unresolved: Option<u64>,
     /// Plots near no target (clutter included).
@@ -226,7 +237,7 @@ pub struct Detection {
 /// Tracks against truth.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tracking {
-    /// Targets that were visible long enough to be confirmed.
+    /// Targets that were confirmed or visible long enough for it.
     pub targets: Option<u64>,
     /// Those that were confirmed.
     pub confirmed: Option<u64>,
@@ -241,9 +252,9 @@ pub struct Tracking {
     pub position_rmse_m: Option<f64>,
     /// Root mean square error of velocity of confirmed tracks, m/s.
     pub velocity_rmse_mps: Option<f64>,
-    /// Normalised estimation error squared of position and velocity, over its 6 dimensions; 1 is right.
+    /// Normalised estimation error squared of position and velocity, over its dimensions; 1 is right.
     pub nees: Option<f64>,
-    /// The same of position, over its 3 dimensions.
+    /// The same of position.
     pub nees_position: Option<f64>,
     /// Mean GOSPA distance per scan, m.
     pub gospa_m: Option<f64>,
@@ -280,6 +291,57 @@ pub struct Tracking {
     pub redundant_tracks_per_hour: Option<f64>,
     /// Hours of truth.
     pub truth_hours: Option<f64>,
+    /// Dimensions of the state in `nees` and `nees_position`: 6 and 3, or 4 and 2 of a radar without elevation.
+    #[serde(default)]
+    pub nees_dimensions: Option<[u32; 2]>,
+    /// The confirmed tracks themselves, with truth or without.
+    #[serde(default)]
+    pub tracks: Option<TrackSummary>,
+}
+
+/// Tracks that are listed.
+pub const TRACKS_LISTED: usize = 200;
+
+/// The confirmed tracks of a run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct TrackSummary {
+    /// Confirmed tracks.
+    pub count: u64,
+    /// Those alive at the end.
+    pub alive: u64,
+    /// Median time from confirmation to the last report, s.
+    pub life_p50_s: f64,
+    /// 95th percentile of that time, s.
+    pub life_p95_s: f64,
+    /// Share of looks at confirmed tracks with a plot.
+    pub hit_share: f64,
+    /// Those alive at the end, then those that have ended, the longest lives first: at most [`TRACKS_LISTED`].
+    pub list: Vec<TrackLine>,
+}
+
+/// One confirmed track at its last report.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct TrackLine {
+    /// Number of the track.
+    pub id: u64,
+    /// Whether it was alive at the end.
+    pub alive: bool,
+    /// From confirmation to the last report, s.
+    pub life_s: f64,
+    /// Looks at it since its confirmation.
+    pub looks: u64,
+    /// Looks with a plot.
+    pub hits: u64,
+    /// East, north, up; m.
+    pub position_m: [f64; 3],
+    /// Distance from the antenna, m.
+    pub range_m: f64,
+    /// Clockwise from north, degrees.
+    pub azimuth_deg: f64,
+    /// Over ground, m/s.
+    pub speed_mps: f64,
+    /// Direction of motion, clockwise from north, degrees.
+    pub course_deg: f64,
 }
 
 /// Resources of one process.
@@ -383,7 +445,13 @@ mod tests {
                 percentile: 99.0,
                 misses: 0,
                 ok: true,
-                limits: vec![LimitResult { percentile: 99.0, limit_us: 5000.0, value_us: 400.0, ok: true }],
+                limits: vec![LimitResult {
+                    percentile: 99.0,
+                    limit_us: 5000.0,
+                    value_us: 400.0,
+                    ok: true,
+                    applied: true,
+                }],
             },
         );
         report.tracking.truth_share = Some(0.737);

@@ -2,10 +2,14 @@
 
 use std::fmt::Write;
 
-use super::{Detection, Percentiles, Report, Tracking};
+use crate::latency::LATENCY_NAMES;
+
+use super::{Detection, LimitResult, Percentiles, Report, TrackSummary, Tracking};
 
 /// Gaps that the text names one by one.
 const LISTED_GAPS: usize = 10;
+/// Tracks that the text lists one by one.
+const LISTED_TRACKS: usize = 20;
 
 impl Report {
     /// The report for a terminal.
@@ -75,16 +79,22 @@ impl Report {
         let [n, max] = ["n", "max"];
         writeln!(
             out,
-            "\n{:<12}{n:>9}{:>10}{:>10}{:>10}{:>10}{max:>10}   budget",
+            "\n{:<10}{n:>9}{:>8}{:>8}{:>8}{:>8}{max:>9}  budget",
             "latency µs", "p50", "p90", "p99", "p99.9"
         )?;
-        for (name, latency) in self.latency_us.iter().filter(|(_, latency)| latency.n > 0) {
+        // In the order of the way through the chain, as the live status has them.
+        let known = LATENCY_NAMES.iter().filter_map(|name| Some((*name, self.latency_us.get(*name)?)));
+        for (name, latency) in known.filter(|(_, latency)| latency.n > 0) {
             let Percentiles { n, p50, p90, p99, p999, max } = latency;
-            write!(out, "{name:<12}{n:>9}{p50:>10.0}{p90:>10.0}{p99:>10.0}{p999:>10.0}{max:>10.0}")?;
+            write!(out, "{name:<10}{n:>9}{p50:>8.0}{p90:>8.0}{p99:>8.0}{p999:>8.0}{max:>9.0}")?;
             for (place, limit) in self.budget.get(name).iter().flat_map(|budget| &budget.limits).enumerate() {
-                let (sign, broken) = if limit.ok { ("≤", "") } else { (">", " BROKEN") };
-                let separator = if place == 0 { "   " } else { ", " };
-                write!(out, "{separator}p{} {sign} {:.0}{broken}", limit.percentile, limit.limit_us)?;
+                let separator = if place == 0 { "  " } else { ", " };
+                let verdict = match limit {
+                    LimitResult { applied: false, .. } => "not applied".into(),
+                    LimitResult { ok: true, .. } => format!("≤ {:.0}", limit.limit_us),
+                    _ => format!("> {:.0} BROKEN", limit.limit_us),
+                };
+                write!(out, "{separator}p{} {verdict}", limit.percentile)?;
             }
             writeln!(out)?;
         }
@@ -115,6 +125,7 @@ impl Detection {
         writeln!(out, "\ndetection")?;
         let mut lines = Lines(out);
         lines.whole("plots", Some(self.plots))?;
+        lines.whole("left out of full messages", Some(self.left_out).filter(|&left_out| left_out > 0))?;
         lines.whole("false plots", self.false_plots)?;
         lines.whole("looks at unresolved targets", self.unresolved)?;
         lines.share("detected", self.pd_measured)?;
@@ -132,11 +143,19 @@ impl Detection {
 }
 
 impl Tracking {
+    /// The scores of tracks alone, for a terminal.
+    pub fn to_text(&self) -> String {
+        let mut text = String::new();
+        let _ = self.write_text(&mut text);
+        text
+    }
+
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
         writeln!(out, "\ntracking")?;
         let mut lines = Lines(out);
         if let (Some(targets), Some(confirmed)) = (self.targets, self.confirmed) {
-            lines.text("targets confirmed", &format!("{confirmed} of {targets}"))?;
+            let none = if targets == 0 { " (none was visible for long enough)" } else { "" };
+            lines.text("targets confirmed", &format!("{confirmed} of {targets}{none}"))?;
         }
         if let Some(slowest) = self.confirmation_scans.values().max() {
             lines.text("slowest confirmation", &format!("{slowest} scans"))?;
@@ -150,8 +169,15 @@ impl Tracking {
         lines.number("redundant tracks per hour", self.redundant_tracks_per_hour, "")?;
         lines.number("position error (rms)", self.position_rmse_m, "m")?;
         lines.number("velocity error (rms)", self.velocity_rmse_mps, "m/s")?;
-        lines.number("NEES (position, velocity)", self.nees, "")?;
-        lines.number("NEES (position)", self.nees_position, "")?;
+        if let (Some(nees), Some([dimensions, _])) = (self.nees, self.nees_dimensions) {
+            lines.text(
+                "NEES (position, velocity)",
+                &format!("{nees:.2} over its {dimensions} dimensions, 1 is right"),
+            )?;
+        }
+        if let (Some(nees), Some([_, dimensions])) = (self.nees_position, self.nees_dimensions) {
+            lines.text("NEES (position)", &format!("{nees:.2} over its {dimensions} dimensions, 1 is right"))?;
+        }
         lines.number("GOSPA", self.gospa_m, "m")?;
         lines.number("  localisation part", self.gospa_localisation_m, "m")?;
         lines.number("  part of missed targets", self.gospa_missed_m, "m")?;
@@ -163,7 +189,42 @@ impl Tracking {
         lines.share("aircraft on the ground", self.truth_share_ground)?;
         lines.number("distance, median", self.distance_p50_m, "m")?;
         lines.number("distance, 95 %", self.distance_p95_m, "m")?;
-        lines.whole("changes of track number", self.id_changes)
+        lines.whole("changes of track number", self.id_changes)?;
+        match &self.tracks {
+            Some(tracks) if self.truth_hours.is_none() => tracks.write_text(out),
+            Some(_) => Ok(()),
+            None => Lines(out).whole("confirmed tracks", Some(0)),
+        }
+    }
+}
+
+impl TrackSummary {
+    fn write_text(&self, out: &mut String) -> std::fmt::Result {
+        let mut lines = Lines(out);
+        lines.text("confirmed tracks", &format!("{}, {} alive at the end", self.count, self.alive))?;
+        lines.text("life, median and 95 %", &format!("{:.1} s, {:.1} s", self.life_p50_s, self.life_p95_s))?;
+        lines.share("looks with a plot", Some(self.hit_share))?;
+        let [id, life, range] = ["track", "life s", "range m"];
+        let [azimuth, speed, course, hits] = ["azimuth °", "speed m/s", "course °", "hits"];
+        writeln!(out, "\n{id:>10}{life:>9}{range:>10}{azimuth:>11}{speed:>11}{course:>10}{hits:>12}")?;
+        for line in self.list.iter().take(LISTED_TRACKS) {
+            writeln!(
+                out,
+                "{:>10}{:>9.1}{:>10.0}{:>11.2}{:>11.1}{:>10.1}{:>12}{}",
+                line.id,
+                line.life_s,
+                line.range_m,
+                line.azimuth_deg,
+                line.speed_mps,
+                line.course_deg,
+                format!("{} of {}", line.hits, line.looks),
+                if line.alive { "" } else { "  ended" }
+            )?;
+        }
+        if self.list.len() > LISTED_TRACKS {
+            writeln!(out, "  and {} more in report.json", self.list.len() - LISTED_TRACKS)?;
+        }
+        Ok(())
     }
 }
 

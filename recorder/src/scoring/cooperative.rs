@@ -1,7 +1,9 @@
 //! Tracks against truth from transponders, in the plane.
 //!
+//! Distances and times that the configuration leaves open follow from the radar's cells (module `reach`) and its scan period.
+//!
 //! **What counts.** A truth report counts if the target moves faster than `speed_min_mps` and
-//! is within `range_max_m` of the radar. It is followed if the track that its address has in
+//! is within `range_max_m` of the radar, or visible to it. It is followed if the track that its address has in
 //! that second lies within `gate_m` of it, confirmed or coasting, at the time of the report:
 //! between two track reports up to `gap_max_s` apart, or predicted up to `hold_max_s`.
 //!
@@ -28,9 +30,10 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use common::config::ScoringConfig;
+use common::plots::PlotsHeader;
 use common::report::Tracking;
 use common::tracks::{Track, TracksHeader};
-use common::truth::{ON_GROUND, TruthHeader, TruthTarget, VEHICLE};
+use common::truth::{ON_GROUND, TruthHeader, TruthTarget, VEHICLE, VISIBLE};
 use common::units::{NS_PER_S, seconds_between};
 use evaluation::following::{Role, Standing};
 use evaluation::identity::Holder;
@@ -38,7 +41,12 @@ use evaluation::poisson;
 use hdrhistogram::Histogram;
 
 use super::path::{Path, PlanarPoint, distance_m, ns};
+use super::reach::Reach;
 
+/// A track is interpolated over gaps up to this, scans, unless `gap_max_s` is set.
+const GAP_SCANS: f64 = 5.0;
+/// A track is predicted past its last report up to this, scans, unless `hold_max_s` is set.
+const HOLD_SCANS: f64 = 2.0;
 /// One topic is waited for no longer than this when the other goes on, s.
 const LONGEST_WAIT_S: f64 = 60.0;
 
@@ -46,6 +54,8 @@ const LONGEST_WAIT_S: f64 = 60.0;
 #[derive(Debug)]
 pub struct Cooperative {
     config: ScoringConfig,
+    reach: Option<Reach>,
+    scan_period_s: f64,
     /// Truth not scored yet, by second.
     seconds: BTreeMap<u64, Vec<TruthTarget>>,
     targets: HashMap<u32, Path>,
@@ -93,6 +103,8 @@ impl Cooperative {
     pub fn new(config: &ScoringConfig) -> Self {
         Self {
             config: config.clone(),
+            reach: None,
+            scan_period_s: 1.0,
             seconds: BTreeMap::new(),
             targets: HashMap::new(),
             tracks: HashMap::new(),
@@ -108,6 +120,12 @@ impl Cooperative {
             redundant: 0,
             distances: Histogram::new_with_bounds(1, 10_000_000, 3).expect("constant bounds are valid"),
         }
+    }
+
+    /// Takes note of the radar's cells and its scan period.
+    pub fn see(&mut self, header: &PlotsHeader) {
+        self.reach = Reach::of_plots(header).or(self.reach);
+        self.scan_period_s = header.scan_period_s;
     }
 
     /// Takes the tracks of a sector.
@@ -133,7 +151,7 @@ impl Cooperative {
 
     /// Scores what is left, and the result.
     pub fn finish(&mut self) -> Tracking {
-        let end_ns = self.tracks_ns.max(self.truth_ns) + ns(self.config.gap_max_s + 2.0);
+        let end_ns = self.tracks_ns.max(self.truth_ns) + ns(self.gap_max_s() + 2.0);
         self.score_until(end_ns / NS_PER_S as u64 + 1);
         let alive = |of: fn(&Standing) -> bool| self.tracks.values().filter(|track| of(&track.standing)).count() as u64;
         let never_near = self.never_near + alive(Standing::is_false);
@@ -160,11 +178,26 @@ impl Cooperative {
         }
     }
 
+    fn gap_max_s(&self) -> f64 {
+        self.config.gap_max_s.unwrap_or(GAP_SCANS * self.scan_period_s)
+    }
+
+    fn hold_max_s(&self) -> f64 {
+        self.config.hold_max_s.unwrap_or(HOLD_SCANS * self.scan_period_s)
+    }
+
+    /// A track that follows a target at this place is not farther from it than this, m.
+    fn gate_m(&self, at: &PlanarPoint) -> f64 {
+        let [range_m, speed_mps] = [at.position_m, at.velocity_mps].map(|along| distance_m(along, [0.0; 2]));
+        let of_radar = || self.reach.map_or(0.0, |reach| reach.gate_m(range_m, speed_mps, self.scan_period_s));
+        self.config.gate_m.unwrap_or_else(of_radar)
+    }
+
     /// Scores every second that no later report of a track or target can change.
     fn score_what_is_complete(&mut self) {
         let (behind, ahead) = (self.tracks_ns.min(self.truth_ns), self.tracks_ns.max(self.truth_ns));
         let known_ns = behind.max(ahead.saturating_sub(ns(LONGEST_WAIT_S)));
-        let complete = known_ns.saturating_sub(ns(self.config.gap_max_s + 1.0)) / NS_PER_S as u64;
+        let complete = known_ns.saturating_sub(ns(self.gap_max_s() + 1.0)) / NS_PER_S as u64;
         self.score_until(complete);
     }
 
@@ -182,17 +215,21 @@ impl Cooperative {
 
     /// Marks the tracks that were within the gate of an address in `second`.
     fn mark_near(&mut self, second: u64) {
-        let Self { tracks, targets, config, .. } = self;
-        for track in tracks.values_mut().filter(|track| track.standing.is_false()) {
-            let mut points = track.path.points().filter(|point| point.time_ns / NS_PER_S as u64 == second);
-            let is_near = points.any(|point| {
-                targets.values().any(|target| {
-                    target
-                        .position_at(point.time_ns, config.gap_max_s, 0.0)
-                        .is_some_and(|truth| distance_m(truth, point.position_m) <= config.gate_m)
-                })
-            });
-            if is_near {
+        let gap_max_s = self.gap_max_s();
+        let is_near = |point: &PlanarPoint| {
+            self.targets.values().any(|target| {
+                target
+                    .position_at(point.time_ns, gap_max_s, 0.0)
+                    .is_some_and(|truth| distance_m(truth, point.position_m) <= self.gate_m(point))
+            })
+        };
+        let unknown = self.tracks.iter().filter(|(_, track)| track.standing.is_false());
+        let near = unknown.filter(|(_, track)| {
+            track.path.points().any(|point| point.time_ns / NS_PER_S as u64 == second && is_near(point))
+        });
+        let near: Vec<u64> = near.map(|(&id, _)| id).collect();
+        for id in near {
+            if let Some(track) = self.tracks.get_mut(&id) {
                 track.standing.note_near();
             }
         }
@@ -203,7 +240,10 @@ impl Cooperative {
         let counts = |target: &TruthTarget| {
             let point = PlanarPoint::from(target);
             distance_m(point.velocity_mps, [0.0; 2]) > self.config.speed_min_mps
-                && distance_m(point.position_m, [0.0; 2]) <= self.config.range_max_m
+                && self
+                    .config
+                    .range_max_m
+                    .map_or(target.has(VISIBLE), |range_max_m| distance_m(point.position_m, [0.0; 2]) <= range_max_m)
         };
         let reports: Vec<&TruthTarget> = reports.iter().filter(|target| counts(target)).collect();
         let given = self.assign(&reports);
@@ -250,14 +290,14 @@ impl Cooperative {
 
     /// Distance of a track from a report if it is within the gate, m.
     fn distance(&self, report: &TruthTarget, track: &Followed) -> Option<f64> {
-        let position = track.path.position_at(report.time_ns, self.config.gap_max_s, self.config.hold_max_s)?;
+        let position = track.path.position_at(report.time_ns, self.gap_max_s(), self.hold_max_s())?;
         let [x, y, _] = report.position_m();
-        Some(distance_m(position, [x, y])).filter(|&distance| distance <= self.config.gate_m)
+        Some(distance_m(position, [x, y])).filter(|&distance| distance <= self.gate_m(&PlanarPoint::from(report)))
     }
 
     /// Forgets what no later second needs.
     fn forget(&mut self) {
-        let needed_ns = (self.scored_until * NS_PER_S as u64).saturating_sub(ns(self.config.gap_max_s + 1.0));
+        let needed_ns = (self.scored_until * NS_PER_S as u64).saturating_sub(ns(self.gap_max_s() + 1.0));
         for track in self.tracks.values_mut() {
             track.path.forget_before(needed_ns);
         }
@@ -282,7 +322,8 @@ mod tests {
 
     /// Scores a target that moves east at 10 m/s for twenty seconds; tracks 1, 2, … are `beside` it by so much, m north.
     fn score(beside: &[f64]) -> Tracking {
-        let mut cooperative = Cooperative::new(&ScoringConfig::default());
+        let config = ScoringConfig { gate_m: Some(75.0), range_max_m: Some(3000.0), ..ScoringConfig::default() };
+        let mut cooperative = Cooperative::new(&config);
         for second in 1..=20_u32 {
             let time_ns = u64::from(second) * NS_PER_S as u64;
             let mut target = TruthTarget { target_id: 7, time_ns, ..TruthTarget::default() };

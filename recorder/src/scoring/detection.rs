@@ -25,6 +25,7 @@ use evaluation::poisson;
 use super::clutter_region::ClutterRegion;
 use super::offset::{Offset, skirt_cells, skirts_touch};
 use super::path::ns;
+use super::reach::beam_scans;
 
 /// Axes of a plot, as named in the report.
 const AXES: [&str; 4] = ["range", "azimuth", "elevation", "range_rate"];
@@ -40,6 +41,8 @@ pub struct PlotScore {
     swerling: Vec<Swerling>,
     rate_span_mps: f64,
     dopplers: f64,
+    /// Time in which the beam passes a target wholly, as a share of a scan.
+    beam_scans: f64,
     pending: VecDeque<(TruthHeader, Vec<TruthTarget>)>,
     plots: VecDeque<Candidate>,
     plots_ns: u64,
@@ -53,6 +56,7 @@ pub struct PlotScore {
 #[derive(Debug, Default, Clone, Copy)]
 struct Counts {
     plots: u64,
+    left_out: u64,
     visible: u64,
     unresolved: u64,
     detected: u64,
@@ -76,6 +80,7 @@ impl PlotScore {
             swerling: config.sim.targets.iter().map(|target| target.swerling).collect(),
             rate_span_mps: config.radar.range_rate_step_mps * f64::from(config.radar.dopplers),
             dopplers: config.radar.dopplers.into(),
+            beam_scans: beam_scans(&config.radar),
             pending: VecDeque::new(),
             plots: VecDeque::new(),
             plots_ns: 0,
@@ -90,6 +95,7 @@ impl PlotScore {
     /// Takes the plots of a sector.
     pub fn plots(&mut self, header: &PlotsHeader, plots: &[Plot]) {
         self.counts.plots += plots.len() as u64;
+        self.counts.left_out += u64::from(header.left_out);
         if header.cells > 0 {
             self.cells += header.cells as f64 * (1.0 - self.clutter.share);
             let candidate = |&plot: &Plot| Candidate { plot, of_target: false, near_target: false };
@@ -102,7 +108,7 @@ impl PlotScore {
             if self.plots_ns < settled_ns && self.pending.len() <= LONGEST_WAIT_SCANS {
                 break;
             }
-            self.score_next();
+            self.score_next(u64::MAX);
         }
         if self.pending.is_empty() {
             // Without truth nothing will ever claim or refuse a plot.
@@ -122,7 +128,7 @@ impl PlotScore {
     pub fn finish(&mut self) -> Detection {
         let with_truth = self.counts.visible + self.counts.unresolved > 0 || !self.pending.is_empty();
         while !self.pending.is_empty() {
-            self.score_next();
+            self.score_next(self.plots_ns);
         }
         self.settle(u64::MAX);
         let counts = self.counts;
@@ -143,6 +149,7 @@ impl PlotScore {
             pd_expected: pfa_set.and_then(|_| per_visible(self.expected)),
             pd_measured: per_visible(counts.detected as f64),
             plots: counts.plots,
+            left_out: counts.left_out,
             unresolved: with_truth.then_some(counts.unresolved),
             false_plots: with_truth.then_some(counts.false_plots),
             normalised_error_squared: squares
@@ -151,8 +158,13 @@ impl PlotScore {
         }
     }
 
-    fn score_next(&mut self) {
-        let Some((header, targets)) = self.pending.pop_front() else { return };
+    /// Scores the next scan; passages of the beam that are not over at `end_ns` do not count.
+    fn score_next(&mut self, end_ns: u64) {
+        let Some((header, mut targets)) = self.pending.pop_front() else { return };
+        let whole_ns = end_ns.saturating_sub(ns(header.scan_period_s * self.beam_scans));
+        for target in targets.iter_mut().filter(|target| target.time_ns > whole_ns) {
+            target.flags &= !VISIBLE;
+        }
         let Some(cells) = self.last_header else { return };
         let time_gate_ns = ns(header.scan_period_s * TIME_GATE_SCANS);
         for (index, target) in targets.iter().enumerate() {

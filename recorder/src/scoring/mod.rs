@@ -2,6 +2,7 @@
 //!
 //! - [`cooperative`]: truth from transponders: which share of the moving ones is followed.
 //! - [`simulated`]: truth of the simulator: confirmation, losses, duplicates, errors, GOSPA.
+//! - `roster`: the tracks themselves, with truth or without.
 //! - [`detection`]: plots of the simulator's cells: detection, false alarms, accuracy.
 //!
 //! All of them keep a few seconds of messages and sums, never a whole run, so they are
@@ -13,6 +14,8 @@ pub mod cooperative;
 pub mod detection;
 mod offset;
 pub mod path;
+mod reach;
+mod roster;
 pub mod simulated;
 mod state_error;
 
@@ -24,6 +27,7 @@ use common::truth::{TruthHeader, TruthTarget};
 
 use cooperative::Cooperative;
 use detection::PlotScore;
+use roster::Roster;
 use simulated::Simulated;
 
 /// All scores of a run, by the kind of truth that its source has.
@@ -31,6 +35,7 @@ use simulated::Simulated;
 pub struct Scoring {
     plots: PlotScore,
     tracks: TrackScore,
+    roster: Roster,
 }
 
 #[derive(Debug)]
@@ -46,20 +51,24 @@ impl Scoring {
             Source::PlotSource | Source::External => {
                 TrackScore::Cooperative(Box::new(Cooperative::new(&config.recorder.scoring)))
             }
-            Source::RadarSim | Source::Replay => {
-                TrackScore::Simulated(Box::new(Simulated::new(&config.recorder.scoring)))
-            }
+            Source::RadarSim | Source::Replay => TrackScore::Simulated(Box::new(Simulated::new(config))),
         };
-        Self { plots: PlotScore::new(config), tracks }
+        Self { plots: PlotScore::new(config), tracks, roster: Roster::new(config.radar.scan_period_s) }
     }
 
     /// Takes the plots of a sector.
     pub fn plots(&mut self, header: &PlotsHeader, plots: &[Plot]) {
         self.plots.plots(header, plots);
+        self.roster.see(header.scan_period_s);
+        match &mut self.tracks {
+            TrackScore::Cooperative(score) => score.see(header),
+            TrackScore::Simulated(score) => score.see(header),
+        }
     }
 
     /// Takes the tracks of a sector.
     pub fn tracks(&mut self, header: &TracksHeader, tracks: &[Track]) {
+        self.roster.tracks(header, tracks);
         match &mut self.tracks {
             TrackScore::Cooperative(score) => score.tracks(header, tracks),
             TrackScore::Simulated(score) => score.tracks(header, tracks),
@@ -84,6 +93,6 @@ impl Scoring {
             TrackScore::Cooperative(score) => score.finish(),
             TrackScore::Simulated(score) => score.finish(),
         };
-        (self.plots.finish(), tracking)
+        (self.plots.finish(), Tracking { tracks: self.roster.finish(), ..tracking })
     }
 }

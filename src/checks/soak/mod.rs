@@ -21,7 +21,7 @@ use anyhow::Context;
 use common::config::{ChainConfig, Sites};
 use common::latency::{LATENCY_NAMES, Latency};
 use common::latency_log::{self, Interval};
-use common::process::{BadInput, EXIT_CHECK_BROKEN, signals};
+use common::process::{BadInput, EXIT_CHECK_BROKEN, print, signals};
 use common::report::{Blocks, ChainReport, Percentiles, Report, Soak};
 
 use crate::claim::Claim;
@@ -100,11 +100,12 @@ pub(crate) fn soak(mut sites: Sites, plan: &Plan) -> anyhow::Result<ExitCode> {
             std::fs::write(out.join("report.json"), report.to_json()).context("writing report.json")?;
         }
     }
-    print!("{}", report.to_text());
+    print(&report.to_text());
     for (name, of_site) in report.sites() {
-        print!("{}", verdict::to_text(of_site, sites.only().is_none().then_some(name)));
+        print(&verdict::to_text(of_site, sites.only().is_none().then_some(name)));
     }
-    println!("\nresults in {}: report.html, report.json, latency.hlog, resources.csv", plan.out.display());
+    let out = plan.out.display();
+    print(&format!("\nresults in {out}: report.html, report.json, latency.hlog, resources.csv\n"));
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::from(EXIT_CHECK_BROKEN) })
 }
 
@@ -204,6 +205,7 @@ fn conclude(
             soak.ratio_to_reference.insert(name.into(), hop.p50 / reference.p50);
         }
     }
+    soak.not_judged.extend(verdict::machine_too_slow(report, &soak));
     soak.findings = verdict::findings(chain, report, &soak, asked, disturbed);
     soak.findings.extend(series.unwritten.clone());
     soak.ok = soak.findings.is_empty();

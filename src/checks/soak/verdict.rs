@@ -35,19 +35,16 @@ pub(super) fn findings(
         let reached = report.realtime_factor;
         findings.push(format!("{reached:.2} × real time reached, {factor} × requested: the chain is too slow for it"));
     }
-    // Dwells go to a plot extractor only.
-    let first = if common::topology::runs(chain, "plot-extractor") { 0 } else { Latency::HopPlots as usize };
-    for name in &LATENCY_NAMES[first..] {
+    for (name, _) in LATENCY_NAMES.iter().zip(Latency::ALL).filter(|&(_, latency)| has_values(chain, latency)) {
         if report.latency_us.get(*name).is_none_or(|latency| latency.n == 0) {
             findings.push(format!("{name}: no values, its budget cannot be checked"));
         }
     }
-    for (name, limits) in LATENCY_NAMES.iter().zip(chain.budget.all()) {
-        let Some(budget) = report.budget.get(*name) else { continue };
-        // At full speed queues are full by design: the radar's own limit is not for that.
-        let given = |percentile: f64| limits.further().any(|(other, _)| (other - percentile).abs() < 1e-9);
-        let judged = budget.limits.iter().filter(|limit| chain.run.speed != Speed::Max || given(limit.percentile));
-        for limit in judged.filter(|limit| !limit.ok) {
+    for name in LATENCY_NAMES {
+        let Some(budget) = report.budget.get(name) else { continue };
+        let broken = budget.limits.iter().filter(|limit| limit.applied && !limit.ok);
+        for limit in broken.filter(|limit| bare_us(soak, name, limit.percentile).is_none_or(|us| us <= limit.limit_us))
+        {
             let (percentile, value, limit) = (limit.percentile, limit.value_us, limit.limit_us);
             findings.push(format!("{name}: p{percentile} is {value:.0} µs, its budget {limit:.0} µs"));
         }
@@ -74,6 +71,49 @@ pub(super) fn findings(
         findings.push("a stage completed with a fault or had to be restarted".into());
     }
     findings
+}
+
+/// Budgets that this machine cannot keep, whatever runs on it, in words: the bare hops alone are over them.
+pub(super) fn machine_too_slow(report: &Report, soak: &Soak) -> Vec<String> {
+    let mut found = Vec::new();
+    for name in LATENCY_NAMES {
+        let limits = report.budget.get(name).into_iter().flat_map(|budget| &budget.limits);
+        for limit in limits.filter(|limit| limit.applied && !limit.ok) {
+            let (percentile, allowed) = (limit.percentile, limit.limit_us);
+            if let Some(us) = bare_us(soak, name, percentile).filter(|&us| us > allowed) {
+                found.push(format!(
+                    "{name}: p{percentile} of the bare hop is {us:.0} µs, the budget {allowed:.0} µs: it is the machine"
+                ));
+            }
+        }
+    }
+    found
+}
+
+/// What the bare hops that a latency consists of take at a percentile, µs; `None` if they were not measured.
+fn bare_us(soak: &Soak, name: &str, percentile: f64) -> Option<f64> {
+    let [dwells, plots] = [Latency::HopDwells, Latency::HopPlots].map(|hop| LATENCY_NAMES[hop as usize]);
+    let at = |hop: &str| {
+        let of = soak.reference.get(hop)?;
+        [(50.0, of.p50), (90.0, of.p90), (99.0, of.p99), (99.9, of.p999)]
+            .into_iter()
+            .find_map(|(known, us)| ((known - percentile).abs() < 1e-9).then_some(us))
+    };
+    match name {
+        _ if name == dwells || name == plots => at(name),
+        "end_to_end" | "scan" => at(dwells).map(|us| us + at(plots).unwrap_or(0.0)),
+        _ => None,
+    }
+}
+
+/// Whether a latency has values in this chain: the stages that it is between must run.
+fn has_values(chain: &ChainConfig, latency: Latency) -> bool {
+    let runs = |stage| common::topology::runs(chain, stage);
+    match latency {
+        Latency::HopDwells | Latency::Extract => runs("plot-extractor"),
+        Latency::HopPlots | Latency::Track | Latency::EndToEnd | Latency::Scan => runs("tracker"),
+        Latency::Record => true,
+    }
 }
 
 /// What is missing of the time or the scans that were asked for.
@@ -169,6 +209,29 @@ mod tests {
         assert_eq!(found(Speed::Max, 1.0, 0, &asked(Some(28_800), 5, true)), ["cut short: 5 s of 28800 s"]);
         assert_eq!(found(Speed::Max, 1.0, 10, &asked(None, 5, true)), ["cut short: 7 of 10 scans"]);
         assert_eq!(found(Speed::Max, 1.0, 0, &asked(None, 5, true)), ["cut short after 7 scans"]);
+    }
+
+    #[test]
+    fn a_budget_that_the_bare_hop_breaks_is_the_machines() {
+        use common::report::{BudgetResult, LimitResult};
+        let limit = LimitResult { percentile: 99.0, limit_us: 1000.0, value_us: 1400.0, ok: false, applied: true };
+        let mut report = Report::default();
+        for name in LATENCY_NAMES {
+            report.latency_us.insert(name.to_string(), Percentiles { n: 1, ..Percentiles::default() });
+        }
+        report.budget.insert("hop_plots".into(), BudgetResult { limits: vec![limit], ..BudgetResult::default() });
+        for (bare_us, broken) in [(1300.0, false), (20.0, true)] {
+            let mut soak = Soak::default();
+            soak.reference.insert("hop_plots".into(), Percentiles { p99: bare_us, ..Percentiles::default() });
+            let chain = {
+                let mut chain = ChainConfig::default();
+                chain.run.speed = Speed::Max;
+                chain
+            };
+            let findings = findings(&chain, &report, &soak, &Asked::default(), false);
+            assert_eq!(findings.iter().any(|finding| finding.starts_with("hop_plots")), broken, "{findings:?}");
+            assert_eq!(machine_too_slow(&report, &soak).len(), usize::from(!broken));
+        }
     }
 
     #[test]
