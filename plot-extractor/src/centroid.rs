@@ -27,8 +27,9 @@ pub struct Offset {
 
 /// Variance of a place that is uniform within a cell, cells².
 const UNIFORM_VARIANCE: f64 = 1.0 / 12.0;
-/// Least standard error, cells: responses are never known better.
-const SIGMA_FLOOR: f64 = 0.0004;
+/// Least standard error, cells: the responses of an instrument are never known better, and a tracker that is told a tenth of a metre takes every
+/// turn of a target for an error. From 45 dB up it is more than noise alone would give.
+const SIGMA_FLOOR: f64 = 0.002;
 /// Measured signal-to-noise ratios are not taken below this: the logarithm needs a positive number.
 const LEAST_SNR: f64 = 0.3;
 /// How far the target may lie from the centre of the peak cell, cells.

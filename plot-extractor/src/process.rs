@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use anyhow::Context;
-use common::health::Rejected;
+use common::health::{Reject, Rejected};
 use common::ipc::{Flow, Station, Turn, attend};
 use common::message::END_OF_STREAM;
 use common::messages::{Dwells, Message, Plots};
@@ -46,6 +46,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
                 health.messages_out += 1;
                 health.elements_out += plots.len() as u64;
                 plots_of_scan += plots.len() as u32;
+                rejected.count_many(Reject::Full, header.left_out.into());
                 health.ended = u32::from(header.has(END_OF_STREAM));
                 publisher.publish(header, plots, |header| {
                     header.session = session;

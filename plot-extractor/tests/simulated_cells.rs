@@ -68,15 +68,14 @@ fn coverage_is_continuous() {
 }
 
 /// Targets all over the volume, also across north: one plot each scan, and the mean
-/// normalised squared error per axis within 0.8…1.25.
+/// normalised squared error per axis within 0.8…1.25; where the floor of errors counts, no larger.
 #[test]
 fn each_target_gives_one_plot_whose_errors_are_as_stated() {
-    for snr_db in [[18.0, 22.0, 28.0, 36.0], [45.0, 50.0, 55.0, 60.0]] {
-        assert_one_plot_with_its_error(snr_db);
-    }
+    assert_one_plot_with_its_error([18.0, 22.0, 28.0, 36.0], 0.8);
+    assert_one_plot_with_its_error([45.0, 50.0, 55.0, 60.0], 0.4);
 }
 
-fn assert_one_plot_with_its_error(snr_db: [f64; 4]) {
+fn assert_one_plot_with_its_error(snr_db: [f64; 4], least: f64) {
     let mut chain = quiet_radar();
     chain.extractor.pfa = 1e-6;
     let mut state = 1_u64;
@@ -144,7 +143,7 @@ fn assert_one_plot_with_its_error(snr_db: [f64; 4]) {
     assert!(doubled <= 1, "{doubled} targets with two plots");
     for (axis, sum) in ["range", "azimuth", "elevation", "range rate"].iter().zip(sums) {
         let mean = sum / f64::from(found);
-        assert!((0.8..1.25).contains(&mean), "{axis}: {mean}");
+        assert!((least..1.25).contains(&mean), "{axis}: {mean}");
     }
 }
 
