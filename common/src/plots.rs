@@ -3,11 +3,12 @@
 //! One message per sector, also when nothing was detected: a missing message always
 //! means loss, and the tracker knows how far the beam's results are complete.
 
-use std::io;
+use std::{fmt, io};
 
 use iceoryx2::prelude::ZeroCopySend;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::{SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::message::{Header, Lineage, Place, Stamps};
 use crate::recording::row::{Row, Table, Value};
@@ -122,8 +123,29 @@ pub struct PlotsHeader {
     pub left_out: u32,
     /// SAC (high byte) and SIC (low byte) of the radar.
     pub source_id: u32,
+    /// Unambiguous interval of range rates, m/s: those of plots are known up to multiples of it; 0 where they are known.
+    pub range_rate_interval_mps: f64,
     /// Always 0: no undefined bytes.
-    pub reserved: [u32; 4],
+    #[serde(deserialize_with = "spare")]
+    pub reserved: [u32; 2],
+}
+
+/// What is left of four words, all of which older JSON lines hold.
+fn spare<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[u32; 2], D::Error> {
+    struct Words;
+    impl<'de> Visitor<'de> for Words {
+        type Value = [u32; 2];
+
+        fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+            formatter.write_str("words that are 0")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut words: A) -> Result<Self::Value, A::Error> {
+            while words.next_element::<u32>()?.is_some() {}
+            Ok([0; 2])
+        }
+    }
+    deserializer.deserialize_tuple(2, Words)
 }
 
 const _: () = assert!(size_of::<PlotsHeader>() == 256 && align_of::<PlotsHeader>() == 64);

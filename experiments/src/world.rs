@@ -29,6 +29,7 @@ const RADIANS: f64 = std::f64::consts::PI / 180.0;
 /// The radar of \[L22\].
 pub fn radar() -> Radar {
     Radar {
+        range_rate_interval_mps: 0.0,
         variance: SIGMA.map(|sigma| sigma * sigma),
         cell: SIGMA.map(|sigma| sigma * 12.0_f64.sqrt()),
         measured: [true; COORDINATES],

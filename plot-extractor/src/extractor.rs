@@ -208,6 +208,11 @@ impl PlotExtractor {
             cell_azimuth_rad: last.azimuth_step_rad,
             cell_elevation_rad: if last.elevations > 1 { last.elevation_step_rad } else { 0.0 },
             cell_range_rate_mps: if last.dopplers > 1 { last.range_rate_step_mps } else { 0.0 },
+            range_rate_interval_mps: if last.dopplers > 1 {
+                last.range_rate_step_mps * f64::from(last.dopplers)
+            } else {
+                0.0
+            },
             reference_cells: 2 * self.config.reference_cells,
             scan: last.scan,
             sector: last.sector,

@@ -99,7 +99,12 @@ fn scene([azimuths, ranges, elevations]: Lattice, own_errors: bool) -> Scene {
 
 fn radar() -> Radar {
     let cell = SIGMA.map(|sigma| f64::from(sigma) * 12.0_f64.sqrt());
-    Radar { variance: cell.map(|cell| cell * cell / 12.0), cell, measured: [true; COORDINATES] }
+    Radar {
+        variance: cell.map(|cell| cell * cell / 12.0),
+        cell,
+        measured: [true; COORDINATES],
+        range_rate_interval_mps: 0.0,
+    }
 }
 
 fn kernel(criterion: &mut Criterion, group: &str, lanes: usize, own_errors: bool, lattices: &[Lattice]) {

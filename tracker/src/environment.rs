@@ -41,7 +41,12 @@ impl Environment {
         let (cell, pfa) = (cells(header), pfa(header));
         // Errors are uniform within a cell (C1); plots carry their own.
         let variance = cell.map(|cell| cell * cell / 12.0);
-        let radar = Radar { variance, cell, measured: [true, true, cell[2] > 0.0, cell[3] > 0.0] };
+        let radar = Radar {
+            variance,
+            cell,
+            measured: [true, true, cell[2] > 0.0, cell[3] > 0.0],
+            range_rate_interval_mps: header.range_rate_interval_mps,
+        };
         let detector = Detector::new(pfa, header.reference_cells);
         let filter = family(config, &radar);
         let base = config.clutter_floor.max(header.pfa);
@@ -64,6 +69,7 @@ impl Environment {
     #[expect(clippy::float_cmp, reason = "a header says the same or it does not")]
     pub(crate) fn is_described_by(&self, header: &PlotsHeader) -> bool {
         self.radar.cell == cells(header)
+            && self.radar.range_rate_interval_mps == header.range_rate_interval_mps
             && self.detector.pfa == pfa(header)
             && self.detector.reference_cells == header.reference_cells
     }
@@ -165,6 +171,7 @@ pub(crate) fn is_possible(header: &PlotsHeader) -> bool {
         && within(header.cell_azimuth_rad, 1e-6, TAU)
         && within(header.cell_elevation_rad, 0.0, TAU)
         && within(header.cell_range_rate_mps, 0.0, 1e6)
+        && within(header.range_rate_interval_mps, 0.0, 1e7)
         && within(header.pfa, 0.0, 0.5)
         && header.sectors_per_scan > 0
         && header.sector < header.sectors_per_scan

@@ -63,6 +63,7 @@ impl Scenario {
             range_m,
             pfa: if rng.random_range(0..4) == 0 { 0.0 } else { 1e-6 },
             error_cells: 0.25,
+            interval_mps: 0.0,
         };
         let count = rng.random_range(1..=5);
         let first_rad = rng.random_range(0.0..TAU);

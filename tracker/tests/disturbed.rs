@@ -38,6 +38,7 @@ fn radars() -> [(&'static str, Radar); 4] {
                 range_m: 5000.0,
                 pfa: 1e-6,
                 error_cells: 0.25,
+                interval_mps: 0.0,
             },
         ),
         (
@@ -49,6 +50,7 @@ fn radars() -> [(&'static str, Radar); 4] {
                 range_m: 3000.0,
                 pfa: 1e-6,
                 error_cells: 0.2,
+                interval_mps: 0.0,
             },
         ),
         (
@@ -60,6 +62,7 @@ fn radars() -> [(&'static str, Radar); 4] {
                 range_m: 3000.0,
                 pfa: 0.0,
                 error_cells: 0.2,
+                interval_mps: 0.0,
             },
         ),
         (
@@ -71,6 +74,7 @@ fn radars() -> [(&'static str, Radar); 4] {
                 range_m: 110e3,
                 pfa: 1e-6,
                 error_cells: 0.25,
+                interval_mps: 0.0,
             },
         ),
     ]

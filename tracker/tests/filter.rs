@@ -62,7 +62,8 @@ fn is_positive_definite(filter: &dyn Filter, state: Mixture<'_>, axes: usize) ->
 /// A long random run: plots on and off the track, errors that differ, scans that are missed.
 fn long_run(filter: Box<dyn Filter>, config: &TrackerConfig, full: bool, scans: u32) {
     let measured = [true, true, full, full];
-    let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured };
+    let radar =
+        Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured, range_rate_interval_mps: 0.0 };
     let axes = if full { 3 } else { 2 };
     let rules = Rules::new(config);
     let target = Detector::new(1e-3, 32).target(Swerling::One, 30.0);
@@ -146,7 +147,7 @@ proptest! {
             })
             .collect();
         prop_assume!(plots.len() >= 2);
-        let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured: [true; COORDINATES] };
+        let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured: [true; COORDINATES], range_rate_interval_mps: 0.0 };
         let rules = Rules::new(&TrackerConfig::default());
         let target = Detector::new(1e-6, 16).target(Swerling::Three, 300.0);
         for filter in families(true) {
@@ -207,7 +208,7 @@ proptest! {
     ) {
         let start = converted(&start);
         prop_assume!(start.len() == 2);
-        let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured: [true; COORDINATES] };
+        let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured: [true; COORDINATES], range_rate_interval_mps: 0.0 };
         let rules = Rules { association: Association::Mht, ..Rules::new(&TrackerConfig::default()) };
         let target = Detector::new(1e-6, 16).target(Swerling::One, 300.0);
         for filter in families(true) {

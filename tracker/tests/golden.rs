@@ -362,6 +362,7 @@ fn measurement(plot: &Value, cfg: &Value) -> Measurement {
 fn radar(cfg: &Value) -> Radar {
     let sigma = numbers(&cfg["sig"]);
     Radar {
+        range_rate_interval_mps: 0.0,
         variance: std::array::from_fn(|i| sigma[i] * sigma[i]),
         cell: std::array::from_fn(|i| sigma[i] * 2.0 * 3.0_f64.sqrt()),
         measured: [true; COORDINATES],

@@ -15,8 +15,15 @@ use rand::Rng;
 use world::{Radar, Target, follow, observe};
 
 /// A radar of thin range cells, as on an airport or a ship.
-const MARINE: Radar =
-    Radar { period_s: 2.0, sectors: 8, cell: [7.5, 0.0087, 0.0, 0.0], range_m: 3000.0, pfa: 0.0, error_cells: 0.2 };
+const MARINE: Radar = Radar {
+    period_s: 2.0,
+    sectors: 8,
+    cell: [7.5, 0.0087, 0.0, 0.0],
+    range_m: 3000.0,
+    pfa: 0.0,
+    error_cells: 0.2,
+    interval_mps: 0.0,
+};
 
 fn quiet(_: &Radar, _: u32, _: &mut dyn Rng) -> Vec<(common::geometry::Polar, f64, f64)> {
     Vec::new()
@@ -99,6 +106,35 @@ fn the_track_of_a_target_that_goes_ends() {
             assert!(confirmed(&tracks, scan).len() <= 1, "seed {seed}, scan {scan}");
         }
         assert_eq!(confirmed(&tracks, 119).len(), 1, "seed {seed}");
+    }
+}
+
+/// Targets beyond the unambiguous interval of range rates, and one that passes its end, are tracked like others.
+#[test]
+fn range_rates_fold() {
+    for (interval_mps, cell_mps) in [(208.0, 34.6), (60.0, 5.0), (25.0, 2.0)] {
+        let radar = Radar {
+            period_s: 1.0,
+            sectors: 32,
+            cell: [60.0, 0.006, 0.0, cell_mps],
+            range_m: 10e3,
+            pfa: 1e-6,
+            error_cells: 0.25,
+            interval_mps,
+        };
+        let targets = [
+            straight([100.0, 2000.0], [3.0, 110.0]),
+            straight([7000.0, 300.0], [-130.0, 0.0]),
+            straight([-4000.0, -2500.0], [140.0, 0.0]),
+            straight([-1000.0, 1900.0], [-60.0, 53.0]),
+            straight([2000.0, -2000.0], [2.0, 1.0]),
+        ];
+        let config = TrackerConfig { start_speed_mps: 250.0, ..TrackerConfig::default() };
+        let tracks = follow(&config, &observe(&radar, &targets, &quiet, 45, 1).messages);
+        for scan in 8..44 {
+            assert_eq!(confirmed(&tracks, scan), confirmed(&tracks, 8), "interval {interval_mps}, scan {scan}");
+        }
+        assert_eq!(confirmed(&tracks, 8).len(), targets.len(), "interval {interval_mps}");
     }
 }
 

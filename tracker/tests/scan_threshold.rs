@@ -47,7 +47,12 @@ fn prediction() -> OneTrack {
 
 /// One scan with a detector of `pfa`, by `rules`, and the position east after it.
 fn scan(rules: &Rules, pfa: f64, plots: &[Measurement]) -> (Outcome, f64) {
-    let radar = Radar { variance: CELL.map(|cell| cell * cell / 12.0), cell: CELL, measured: [true; COORDINATES] };
+    let radar = Radar {
+        variance: CELL.map(|cell| cell * cell / 12.0),
+        cell: CELL,
+        measured: [true; COORDINATES],
+        range_rate_interval_mps: 0.0,
+    };
     let target = Detector::new(pfa, 0).target(Swerling::One, 25.0);
     let per_cell =
         |plot: &Measurement| pfa / (CELL.iter().product::<f64>() * plot.polar[0].powi(2) * plot.cos_elevation);

@@ -285,6 +285,12 @@ impl ClutterMap {
         self.cells_product * if self.radar.measured[2] { r * r * cos_e } else { r }
     }
 
+    /// Class of a coordinate; range rates that the radar cannot tell apart are the same.
+    fn class_of(&self, i: usize, polar: &[f64; COORDINATES]) -> u32 {
+        let value = if i == 3 { self.radar.unfold(polar[i], 0.0) } else { polar[i] };
+        if self.radar.measured[i] { class((value / self.radar.cell[i]).abs()) } else { 0 }
+    }
+
     /// Which bin of a map a place is in.
     fn key(&self, map: usize, polar: &[f64; COORDINATES]) -> u64 {
         let Map { range_cells, azimuth_cells, .. } = self.maps[map];
@@ -295,8 +301,7 @@ impl ClutterMap {
         } else {
             0
         };
-        let class =
-            |i: usize| if self.radar.measured[i] { u64::from(class((polar[i] / self.radar.cell[i]).abs())) } else { 0 };
+        let class = |i: usize| u64::from(self.class_of(i, polar));
         (((range << 20 | azimuth & 0xf_ffff) << 4 | class(2)) << 4 | class(3)) << 3 | map as u64
     }
 
@@ -311,9 +316,7 @@ impl ClutterMap {
         };
         let around = (TAU / self.radar.cell[1]).max(1.0);
         let azimuth = if map.azimuth_cells > 0.0 { map.azimuth_cells.min(around) } else { around };
-        let width = |i: usize| {
-            if self.radar.measured[i] { class_width(class((polar[i] / self.radar.cell[i]).abs())) } else { 1.0 }
-        };
+        let width = |i: usize| if self.radar.measured[i] { class_width(self.class_of(i, polar)) } else { 1.0 };
         let both_signs = if self.radar.measured[3] { 2.0 } else { 1.0 };
         range * azimuth * width(2) * both_signs * width(3)
     }
@@ -394,7 +397,7 @@ mod tests {
     #[test]
     fn ground_clutter_is_learnt() {
         let cell = [50.0, 0.01, 0.01, 30.0];
-        let radar = Radar { variance: [1.0; 4], cell, measured: [true; 4] };
+        let radar = Radar { variance: [1.0; 4], cell, measured: [true; 4], range_rate_interval_mps: 0.0 };
         let detector = Detector::new(1e-6, 0);
         let mut map = ClutterMap::new(radar, detector, 1e-6, 20);
         for scan in 0..60 {

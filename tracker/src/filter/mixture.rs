@@ -1,6 +1,7 @@
 //! One state as the short list of weighted normal distributions that it is.
 
 use common::tracks::STATE;
+use nalgebra::Vector3;
 
 use super::gaussian::{Gaussian, at, packed};
 use super::layout::Layout;
@@ -52,6 +53,12 @@ impl<'a> Mixture<'a> {
         gaussian.mean[..n].copy_from_slice(self.mean(j));
         gaussian.covariance[..packed(n)].copy_from_slice(self.covariance(j));
         gaussian
+    }
+
+    /// Range rate of the mean, m/s; 0 at the antenna.
+    pub fn range_rate_mps(&self) -> f64 {
+        let [position, velocity] = [0, 3].map(|first| Vector3::from_fn(|axis, _| self.mean_of(first + axis)));
+        common::geometry::range_rate_mps(&position, &velocity)
     }
 
     /// Σ_j W_j u_j of state `i`.

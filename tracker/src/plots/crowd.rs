@@ -56,8 +56,12 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const RADAR: Radar =
-        Radar { variance: [1.0; 4], cell: [10.0, 0.1, 1.0, 1.0], measured: [true, true, false, false] };
+    const RADAR: Radar = Radar {
+        variance: [1.0; 4],
+        cell: [10.0, 0.1, 1.0, 1.0],
+        measured: [true, true, false, false],
+        range_rate_interval_mps: 0.0,
+    };
 
     fn marked(angles_rad: &[f64], ranges_m: &[f64]) -> Vec<f32> {
         let mut plots: Vec<_> =

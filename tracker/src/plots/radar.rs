@@ -11,12 +11,24 @@ pub struct Radar {
     pub cell: [f64; COORDINATES],
     /// Which of them are measured.
     pub measured: [bool; COORDINATES],
+    /// Range rates are known up to multiples of this, m/s; 0 where they are known.
+    pub range_rate_interval_mps: f64,
 }
 
 impl Radar {
     /// Number of measured coordinates.
     pub fn dimensions(&self) -> usize {
         self.measured.iter().filter(|measured| **measured).count()
+    }
+
+    /// Of the range rates that a measured one may stand for, that nearest to `expected`, m/s.
+    pub fn unfold(&self, range_rate_mps: f64, expected: f64) -> f64 {
+        let interval = self.range_rate_interval_mps;
+        if interval > 0.0 {
+            range_rate_mps + interval * ((expected - range_rate_mps) / interval).round()
+        } else {
+            range_rate_mps
+        }
     }
 
     /// The largest side of a resolution cell at a range, m.

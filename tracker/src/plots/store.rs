@@ -180,7 +180,7 @@ mod tests {
                     let place = expected[settled..].partition_point(|other| by_angle(other, &entry).is_le());
                     expected.insert(settled + place, entry);
                 }
-                store.sort(&Radar { variance: [1.0; 4], cell: [1.0, 1e-9, 1.0, 1.0], measured: [true; 4] });
+                store.sort(&Radar { variance: [1.0; 4], cell: [1.0, 1e-9, 1.0, 1.0], measured: [true; 4], range_rate_interval_mps: 0.0 });
                 prop_assert_eq!(&store.entries, &expected);
                 prop_assert!(store.entries.iter().zip(&store.measurements).all(|(a, b)| a.angle_rad.to_bits() == b.polar[1].to_bits()));
                 settled = store.settle(f64::from(settle)).end;

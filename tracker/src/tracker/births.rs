@@ -16,6 +16,7 @@ use crate::environment::Environment;
 use crate::filter::{Layout, Mixture, TwoPlots};
 use crate::plots::index::{PlotIndex, Window};
 use crate::plots::measurement::Measurement;
+use crate::plots::radar::Radar;
 use crate::plots::store::PlotStore;
 use crate::tracks::amplitude::Amplitude;
 use crate::tracks::handle::Handle;
@@ -54,7 +55,7 @@ impl Tracker {
     /// A tentative track that ends at the stored plot `index`, the `nth` of those settled, if there is a plot of the turn before to begin it and
     /// it is more likely than the track of existence `owner` that has taken the plot.
     fn start(&mut self, index: usize, nth: usize, turn: u32, owner: f64, environment: &Environment) -> Option<Handle> {
-        let (previous, step_s) = self.partner(index, nth, &environment.limits)?;
+        let (previous, step_s) = self.partner(index, nth, &environment.limits, &environment.radar)?;
         let (entry, last) = (*self.plots.entry(index), self.plots.measurement(index));
         let previous = self.plots.measurement(previous);
         let existence = environment.start_existence(previous, last, step_s, turn, &self.config);
@@ -114,7 +115,7 @@ impl Tracker {
     }
 
     /// The best plot of the turn before for a start, and the time between the two.
-    fn partner(&mut self, index: usize, nth: usize, limits: &PairLimits) -> Option<(usize, f64)> {
+    fn partner(&mut self, index: usize, nth: usize, limits: &PairLimits, radar: &Radar) -> Option<(usize, f64)> {
         let Self { births, plots, sweep, .. } = self;
         let (last, angle_rad) = (plots.measurement(index), plots.entry(index).angle_rad);
         let period_s = sweep.period_s();
@@ -127,7 +128,7 @@ impl Tracker {
             if step_s < STEP_TURNS[0] * period_s || (entry.angle_rad - angle_rad + TAU).abs() > half_azimuth_rad {
                 continue;
             }
-            if let Some(misfit) = limits.misfit(previous, last, step_s)
+            if let Some(misfit) = limits.misfit(previous, last, step_s, radar)
                 && best.is_none_or(|(least, other, _)| (misfit, index) < (least, other))
             {
                 best = Some((misfit, index, step_s));

@@ -19,7 +19,7 @@ use crate::association::scan::{Member, Scan};
 use crate::beam::opportunity::DetectionTime;
 use crate::constants::{APART, EXPLAINED, MISS_WEIGHT, TIMING_S};
 use crate::environment::Environment;
-use crate::filter::{LANES, Layout, Machine, Moments};
+use crate::filter::{LANES, Layout, Machine, Mixture, Moments};
 use crate::plots::index::{PlotIndex, Window};
 use crate::plots::measurement::Measurement;
 use crate::tracks::handle::Handle;
@@ -252,11 +252,15 @@ impl Tracker {
             near.retain(|&plot| (pending.from_rad..=track.next.due_rad()).contains(&plots.entry(plot).angle_rad));
             near.sort_unstable();
             let first = offered.measurements.len();
+            let prediction = tracks.states.prediction_words(pending.place, Of::NextScan);
+            let expected_mps = Mixture::new(environment.filter.layout(), prediction).range_rate_mps();
             for &plot in near.iter() {
                 let explained =
                     !track.life.is_confirmed() && config.joint_association && plots.entry(plot).explained > EXPLAINED;
                 let share = if explained { LEAST_SHARE } else { 1.0 };
-                offered.push(*plots.measurement(plot), share, plot);
+                let mut measurement = *plots.measurement(plot);
+                measurement.polar[3] = environment.radar.unfold(measurement.polar[3], expected_mps);
+                offered.push(measurement, share, plot);
             }
             pending.common = offered.measurements.len();
             pending.offered = first..offered.measurements.len();

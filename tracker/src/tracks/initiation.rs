@@ -59,11 +59,15 @@ impl PairLimits {
     pub fn cells(&self, last: &Measurement, step_s: f64, radar: &Radar) -> f64 {
         let travel_m = self.speed_mps * step_s;
         let reach = [travel_m, travel_m / last.polar[0], travel_m / last.polar[0], self.speed_mps];
-        (0..COORDINATES).filter(|&i| radar.measured[i]).map(|i| 1.0 + 2.0 * reach[i] / radar.cell[i]).product()
+        let most = |i: usize| {
+            if i == 3 && radar.range_rate_interval_mps > 0.0 { radar.range_rate_interval_mps } else { f64::INFINITY }
+        };
+        let extent = |i: usize| (radar.cell[i] + 2.0 * reach[i]).min(most(i)) / radar.cell[i];
+        (0..COORDINATES).filter(|&i| radar.measured[i]).map(extent).product()
     }
 
     /// How badly two plots `step_s` apart fit one target; `None` if they do not. Smaller is better.
-    pub fn misfit(&self, previous: &Measurement, last: &Measurement, step_s: f64) -> Option<f64> {
+    pub fn misfit(&self, previous: &Measurement, last: &Measurement, step_s: f64, radar: &Radar) -> Option<f64> {
         let travel_m = self.speed_mps * step_s;
         let range_change_m = last.polar[0] - previous.polar[0];
         let range_variance = last.variance[0] + previous.variance[0];
@@ -74,11 +78,12 @@ impl PairLimits {
         let mut misfit = 0.0;
         if last.measured[3] && previous.measured[3] {
             let rate_variance = last.variance[3] + previous.variance[3];
-            let rate_change = last.polar[3] - previous.polar[3];
+            let [rate, rate_before] = [last, previous].map(|plot| radar.unfold(plot.polar[3], range_change_m / step_s));
+            let rate_change = rate - rate_before;
             if rate_change.abs() > REACH * rate_variance.sqrt() + self.acceleration_mps2 * step_s {
                 return None;
             }
-            let difference = range_change_m / step_s - 0.5 * (last.polar[3] + previous.polar[3]);
+            let difference = range_change_m / step_s - 0.5 * (rate + rate_before);
             let variance = range_variance / (step_s * step_s) + 0.25 * rate_variance;
             misfit += difference * difference / variance;
             if misfit > REACH * REACH {

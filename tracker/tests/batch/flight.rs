@@ -23,7 +23,12 @@ pub(crate) const ALPHA: f64 = 3.0;
 
 /// With elevation and range rate, or without.
 pub(crate) fn radar(full: bool) -> Radar {
-    Radar { variance: SIGMA.map(|sigma| sigma * sigma), cell: CELL, measured: [true, true, full, full] }
+    Radar {
+        variance: SIGMA.map(|sigma| sigma * sigma),
+        cell: CELL,
+        measured: [true, true, full, full],
+        range_rate_interval_mps: 0.0,
+    }
 }
 
 /// The filter under test.

@@ -36,6 +36,8 @@ pub(crate) struct Radar {
     pub pfa: f64,
     /// Standard errors in cells.
     pub error_cells: f64,
+    /// Unambiguous interval of range rates, m/s; 0 without ambiguity.
+    pub interval_mps: f64,
 }
 
 /// Something that flies straight and its mean power over noise.
@@ -201,12 +203,14 @@ impl Radar {
             if errs { sigma[i] * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, rng) } else { 0.0 }
         };
         let azimuth_rad = angle::wrap(place.azimuth_rad + error(1));
+        let range_rate = range_rate + error(3);
+        let folds = if self.interval_mps > 0.0 { (range_rate / self.interval_mps).round() } else { 0.0 };
         let plot = Plot {
             time_ns: EPOCH_NS + (time_s.max(0.0) * 1e9) as u64,
             range_m: (place.range_m + error(0)).max(0.1 * self.cell[0]),
             azimuth_rad,
             elevation_rad: if self.cell[2] > 0.0 { place.elevation_rad + error(2) } else { 0.0 },
-            range_rate_mps: if self.cell[3] > 0.0 { range_rate + error(3) } else { 0.0 },
+            range_rate_mps: if self.cell[3] > 0.0 { range_rate - folds * self.interval_mps } else { 0.0 },
             sigma_range_m: sigma[0] as f32,
             sigma_azimuth_rad: sigma[1] as f32,
             sigma_elevation_rad: sigma[2] as f32,
@@ -249,6 +253,7 @@ impl Radar {
             cell_azimuth_rad: self.cell[1],
             cell_elevation_rad: self.cell[2],
             cell_range_rate_mps: self.cell[3],
+            range_rate_interval_mps: self.interval_mps,
             scan,
             sector,
             sectors_per_scan: self.sectors,
