@@ -61,7 +61,7 @@ pub fn ca_cfar_factor(reference_cells: u32, pfa: f64) -> f64 {
 }
 
 /// Logarithm of how far outliers reach above the threshold: 60 dB.
-const LN_OUTLIERS: f64 = 13.8;
+const LN_OUTLIERS: f64 = 6.0 * std::f64::consts::LN_10;
 
 /// ζ: share of a target's plots that may be of any strength.
 const GLINTS: f64 = 0.05;
@@ -279,7 +279,7 @@ impl TargetStatistics {
     /// λ(q) against false plots that are not all noise's:
     ///
     /// ```text
-    /// min( [f_S(q)/D + ζ h(q)] / max( f_N(q)/F,  e^(−(q − t₀)/m)/m,  η h(q) ),  1/η ),   h(q) = 1/(q ln 10⁶)
+    /// min( [(1 − ζ) f_S(q)/D + ζ h(q)] / max( f_N(q)/F,  e^(−(q − t₀)/m)/m,  η h(q) ),  1/η ),   h(q) = 1/(q ln 10⁶)
     /// ```
     ///
     /// The largest of the densities is the cautious one: spiky clutter and other radars' pulses then prove nothing, nor do pulses that are all as
@@ -293,10 +293,11 @@ impl TargetStatistics {
         let ln_noise = self.detector.gamma_1(q, 1.0).ln_density - self.detector.pfa.ln();
         let ln_clutter = -(q - self.detector.threshold) / mean_excess - mean_excess.ln();
         let ln_clutter = if mean_excess > 0.0 { ln_clutter } else { f64::NEG_INFINITY };
-        let any_strength = 1.0 / (q * LN_OUTLIERS);
+        let any_strength = if q >= self.detector.threshold { 1.0 / (q * LN_OUTLIERS) } else { 0.0 };
         let ln_false = ln_noise.max(ln_clutter).max((outliers * any_strength).ln());
-        let glint = if outliers > 0.0 { GLINTS * any_strength * (-ln_false).exp() } else { 0.0 };
-        ((ln_ratio + ln_noise - ln_false).exp() + glint).min(1.0 / outliers).min(MAX_RATIO)
+        let glints = if outliers > 0.0 { GLINTS } else { 0.0 };
+        let glint = if any_strength > 0.0 { glints * any_strength * (-ln_false).exp() } else { 0.0 };
+        ((1.0 - glints) * (ln_ratio + ln_noise - ln_false).exp() + glint).min(1.0 / outliers).min(MAX_RATIO)
     }
 
     /// Swerling 0: D = Σ_k Poisson(k; S) P(I ≤ k), where I counts the noise events before the
@@ -469,6 +470,15 @@ mod tests {
             prop_assert!(clutter <= noise && clutter >= 0.0);
         }
 
+        /// A power below the threshold, which no detector of this kind gives, is a number all the same.
+        #[test]
+        fn powers_below_the_threshold_are_no_outliers(share in 0.0..1.0_f64, outliers in 0.0..1.0_f64) {
+            let target = Detector::new(1e-6, 0).target(Swerling::One, 30.0);
+            let q = share * target.detector().threshold;
+            let among = target.likelihood_ratio_among(q, FalsePower { mean_excess: 0.0, outliers });
+            prop_assert!(among >= 0.0 && among <= target.likelihood_ratio(q), "{among}");
+        }
+
         /// However strong a plot is, it proves no more than that it is one of few outliers, and a glint no less than its share.
         #[test]
         fn among_outliers_power_proves_little(ln_q in 2.7..14.0_f64, snr_db in 5.0..40.0_f64, outliers in 0.01..1.0_f64) {
@@ -476,7 +486,7 @@ mod tests {
             let q = ln_q.exp();
             let ratio = target.likelihood_ratio_among(q, FalsePower { mean_excess: 0.0, outliers });
             prop_assert!(ratio <= 1.0 / outliers, "{ratio}");
-            if outliers / (q * LN_OUTLIERS) > (13.8 - q).exp() {
+            if outliers / (q * LN_OUTLIERS) > (target.detector().threshold - q).exp() {
                 prop_assert!(ratio >= GLINTS / outliers * (1.0 - 1e-9), "{ratio}");
             }
         }

@@ -153,6 +153,7 @@ pub fn plot(polar: [f64; COORDINATES], power: f64) -> Measurement {
         power,
         measured: [true; COORDINATES],
         has_power: true,
+        is_common: false,
         crowd: 0.0,
     }
 }

@@ -32,7 +32,8 @@ use tracker::plots::radar::Radar;
 const PLOTS: usize = 5;
 const SIGMA: [f32; COORDINATES] = [20.0, 0.001_745, 0.001_745, 10.0];
 /// The default settings.
-const FILTER: Uav = Uav { noise: [0.9, 0.8, 7.5], axes: 3, stay: 0.9, start_probability: [0.33, 0.34, 0.33] };
+const FILTER: Uav =
+    Uav { noise: [0.9, 0.8, 7.5], jerk_share: 1.0, axes: 3, stay: 0.9, start_probability: [0.33, 0.34, 0.33] };
 const ALPHA: f64 = 3.5;
 const INFLATION: f64 = 0.45;
 

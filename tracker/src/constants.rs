@@ -11,9 +11,10 @@ pub(crate) const APART: f64 = 0.5;
 
 /// Scans in which two tracks share their best plot before one of them goes: if one is tentative, and if both are confirmed.
 pub(crate) const SHARED_SCANS: [u32; 2] = [2, 6];
-/// The same of two that have been seen apart and may have plots in common: as many as two targets take to pass each other within a resolution cell
-/// at this share of the greatest speed. Two targets that the radar does not resolve for longer are one to it.
+/// Share of the greatest speed at which two targets that have been seen apart pass each other within a resolution cell, and the scans of that at
+/// most: two that the radar does not resolve for longer are one to it.
 pub(crate) const PASSING_SPEED: f64 = 0.035;
+pub(crate) const MOST_PASSING: f64 = 60.0;
 /// Squared distance of two tracks' positions and velocities below which they may be one: of χ² with 6 degrees of freedom, 0.999.
 pub(crate) const SAME: f64 = 22.458;
 

@@ -48,7 +48,7 @@ impl Environment {
             range_rate_interval_mps: header.range_rate_interval_mps,
         };
         let detector = Detector::new(pfa, header.reference_cells);
-        let filter = family(config, &radar);
+        let filter = family(config, &radar, header.scan_period_s);
         let base = config.clutter_floor.max(header.pfa);
         Self {
             radar,
@@ -83,12 +83,14 @@ impl Environment {
         &self,
         previous: &Measurement,
         last: &Measurement,
+        own: OwnPlots,
         step_s: f64,
         turn: u32,
         config: &TrackerConfig,
     ) -> f64 {
+        let clutter = self.clutter.in_scan(turn, own);
         let evidence = |plot: &Measurement| {
-            let here = self.clutter.in_scan(turn, Some(self.clutter.own(previous, 1.0)))(plot);
+            let here = clutter(plot);
             let ratio = if plot.has_power && self.threshold_is_known {
                 self.start_target.likelihood_ratio_among(plot.power, here.power)
             } else {
@@ -128,7 +130,7 @@ impl Environment {
             detection_probability: self.detection_probability(config, amplitude),
             target: self.statistics(amplitude),
             shares,
-            clutter: self.clutter.in_scan(turn, Some(own)),
+            clutter: self.clutter.in_scan(turn, own),
         }
     }
 
@@ -172,7 +174,7 @@ pub(crate) fn is_possible(header: &PlotsHeader) -> bool {
         && within(header.cell_elevation_rad, 0.0, TAU)
         && within(header.cell_range_rate_mps, 0.0, 1e6)
         && within(header.range_rate_interval_mps, 0.0, 1e7)
-        && within(header.pfa, 0.0, 0.5)
+        && (header.pfa == 0.0 || within(header.pfa, 1e-100, 0.5))
         && header.sectors_per_scan > 0
         && header.sector < header.sectors_per_scan
         && header.seq == u64::from(header.scan) * u64::from(header.sectors_per_scan) + u64::from(header.sector)

@@ -121,6 +121,8 @@ impl Tracker {
             Continuation::Anew => {
                 self.plots.clear();
                 self.end_all(tracks);
+                // Its clutter map counts the turns of the stream that has ended.
+                self.environment = None;
             }
         }
         // Out of the tracker, so that both can be borrowed side by side.

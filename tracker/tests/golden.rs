@@ -355,6 +355,7 @@ fn measurement(plot: &Value, cfg: &Value) -> Measurement {
         power: plot.get(4).copied().unwrap_or(0.0),
         measured: [true; COORDINATES],
         has_power: true,
+        is_common: false,
         crowd: 0.0,
     }
 }
@@ -372,7 +373,7 @@ fn radar(cfg: &Value) -> Radar {
 fn filter(cfg: Option<&Value>) -> Uav {
     let noise = cfg.map_or([1.0; MODES], |cfg| numbers(&cfg["a"]).try_into().expect("three modes"));
     let stay = cfg.and_then(|cfg| cfg["Pi"][0][0].as_f64()).unwrap_or(0.9);
-    Uav { noise, axes: 3, stay, start_probability: [0.33, 0.34, 0.33] }
+    Uav { noise, jerk_share: 1.0, axes: 3, stay, start_probability: [0.33, 0.34, 0.33] }
 }
 
 fn rules(cfg: &Value, method: &Value) -> Rules {

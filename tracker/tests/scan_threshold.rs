@@ -37,7 +37,8 @@ fn plot(range_m: f64, azimuth_rad: f64, range_rate_mps: f64, power: f64) -> Meas
 
 /// A track that has not been seen for a scan: its gate holds thousands of cells.
 fn prediction() -> OneTrack {
-    let filter = Uav { noise: [1.0, 1.0, 7.0], axes: 3, stay: 0.9, start_probability: [0.33, 0.34, 0.33] };
+    let filter =
+        Uav { noise: [1.0, 1.0, 7.0], jerk_share: 1.0, axes: 3, stay: 0.9, start_probability: [0.33, 0.34, 0.33] };
     let mut track = OneTrack::new(Box::new(filter));
     let [previous, last] = [900.0, 880.0].map(|range_m| plot(range_m, 1.1, -22.0, 9.0));
     track.start(&TwoPlots { previous: &previous, last: &last, step_s: 1.0 });

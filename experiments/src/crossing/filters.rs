@@ -38,7 +38,7 @@ pub(super) struct Filters {
 impl Filters {
     pub(super) fn new() -> Self {
         let (config, radar) = (TrackerConfig::default(), radar());
-        let (rules, track) = (Rules::new(&config), OneTrack::new(family(&config, &radar)));
+        let (rules, track) = (Rules::new(&config), OneTrack::new(family(&config, &radar, 1.0)));
         Self {
             sharing: Sharing::new(track.filter().layout(), Machine::default(), rules.inflation),
             rules,

@@ -105,7 +105,7 @@ impl Follower {
             rules.gate_probability_by_mode = false;
             rules.gate_false_plots = 0.0;
         }
-        let track = OneTrack::new(family(config, &radar));
+        let track = OneTrack::new(family(config, &radar, 1.0));
         Self {
             rules,
             radar,
@@ -250,7 +250,7 @@ impl Follower {
                 outcome
             }
             Some(hypotheses) => {
-                let filter = family(&self.config, &self.radar);
+                let filter = family(&self.config, &self.radar, 1.0);
                 let means = Means { filter: filter.as_ref(), machine: Machine::default(), rules: &self.rules };
                 let choice = &mut self.track.scan.choices[0];
                 let outcome = hypotheses.update(means, 0, &self.plots, &surroundings, &mut self.room, choice);

@@ -175,10 +175,10 @@ impl<F> Surroundings<'_, F> {
 }
 
 impl<F: Fn(&Measurement) -> FalsePlots> Surroundings<'_, F> {
-    /// ℓ(q)/ρ₀ of a plot, m³·m/s: what its density under the target is to be multiplied by to weigh it against noise (T20.4); in a gate of
-    /// so many plots and such a volume.
-    pub fn ratio_to_noise(&self, plot: &Measurement, gate: (usize, f64), rules: &Rules) -> f64 {
-        let here = (self.clutter)(plot).crowded(gate.0, gate.1);
+    /// ℓ(q)/ρ₀ of a plot, m³·m/s: what its density under the target is to be multiplied by to weigh it against noise (T20.4); `gate` is that of the
+    /// best hypothesis, the same for all.
+    pub fn ratio_to_noise(&self, plot: &Measurement, gate: GateLoad, rules: &Rules) -> f64 {
+        let here = (self.clutter)(plot).crowded(gate);
         self.ratio(plot, here, rules) * self.detection_probability / here.density
     }
 
@@ -210,9 +210,26 @@ impl FalsePlots {
     /// ρ = max(ρ_c, (M − 3)/V)  where M − 3 > ρ_c V + 3 √(ρ_c V)
     /// ```
     #[must_use]
-    pub fn crowded(self, plots: usize, volume: f64) -> Self {
-        let (crowd, expected) = (plots.saturating_sub(FEW) as f64, self.density * volume);
-        if crowd > expected + 3.0 * expected.sqrt() { Self { density: crowd / volume, ..self } } else { self }
+    pub fn crowded(self, gate: GateLoad) -> Self {
+        let (crowd, expected) = (gate.plots.saturating_sub(FEW) as f64, self.density * gate.volume);
+        if crowd > expected + 3.0 * expected.sqrt() { Self { density: crowd / gate.volume, ..self } } else { self }
+    }
+}
+
+/// What a gate holds.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct GateLoad {
+    /// Plots, without those that only say what another says of two targets.
+    pub plots: usize,
+    /// V, m³·m/s.
+    pub volume: f64,
+}
+
+impl GateLoad {
+    /// Of a gate of volume `volume` with its candidates among `plots`.
+    pub fn new(candidates: &[Candidate], plots: &[Measurement], volume: f64) -> Self {
+        let plots = candidates.iter().filter(|candidate| !plots[candidate.plot].is_common).count();
+        Self { plots, volume }
     }
 }
 
@@ -332,14 +349,14 @@ pub fn weigh<F: Fn(&Measurement) -> FalsePlots>(
     candidates: &mut Vec<Candidate>,
 ) {
     let parametric = rules.clutter == Clutter::Parametric;
-    let (plots_in_gate, volume) = (candidates.len(), selection.volume);
-    let of_gate = plots_in_gate as f64 / volume;
+    let load = GateLoad::new(candidates, plots, selection.volume);
+    let of_gate = candidates.len() as f64 / selection.volume;
     for candidate in candidates.iter_mut() {
         let plot = &plots[candidate.plot];
         let with_statistics = rules.association.uses_power() && plot.has_power;
         let mut here = (surroundings.clutter)(plot);
         if selection.threshold <= 0.0 {
-            here = here.crowded(plots_in_gate, volume);
+            here = here.crowded(load);
         }
         let above = if plot.has_power { surroundings.above(selection, here, with_statistics, parametric) } else { 1.0 };
         let density = if parametric { here.density } else { of_gate };

@@ -1,7 +1,7 @@
 //! Expected false plots per resolution cell, and their power, learnt where they fall.
 //!
 //! ```text
-//! F(p) = max(design, floor) + largest of the maps' estimates
+//! F(p) = max(design, floor) + largest of the estimates of ring, area, place, ray and crowd
 //! ρ_c(p) = F(p) / (δ_r δ_β δ_ε δ_ṙ r² cos ε)                    per unit of y's measure (T12)
 //! n = Σ κ^age (1 − claimed) over the plots in a bin,   N' = Σ κ^age over scans,   κ = 1 − 1/N
 //! ```
@@ -11,8 +11,8 @@
 //! | whole | from the antenna to the farthest plot | n / ((0.2 + N') cells) |
 //! | zones | octaves of range | (n + 1) / (N' cells + 1/F(whole)) |
 //! | rings | one cell of range, all around | (n + 1) / (N' cells + 1/F(zone)) |
-//! | areas | four cells of range, 15° | n / ((2 + N') cells) |
-//! | places | two by two cells | n / ((40 + N') cells): fixed objects, slow to believe |
+//! | areas | four cells of range, 15° | (n − 2) / ((2 + N') cells) |
+//! | places | two by two cells | (n − 2) / ((40 + N') cells): fixed objects, slow to believe |
 //! | rays | two cells of azimuth, an octave of range | (n − 3) / ((1 + N') cells): strobes and interference; few plots may be a target's |
 //!
 //! A ring in which little has been seen is taken to be like its zone, and a zone like the whole, so that sparse clutter is known after one scan. Bins of elevation and |ṙ|
@@ -33,16 +33,20 @@ use crate::association::FalsePlots;
 use crate::plots::measurement::{COORDINATES, Measurement};
 use crate::plots::radar::Radar;
 
-/// Bins kept at most before those that have forgotten their plots make room.
+/// Bins that there is room for from the start.
 const ROOM: usize = 1 << 16;
+/// Bins that stay at most when those that have forgotten their plots make room.
+const MOST: usize = 1 << 18;
 /// A bin whose plots have faded to this is forgotten.
 const FADED: f32 = 0.02;
 /// Plots of noise that every bin's mean power starts with.
 const PRIOR_PLOTS: f32 = 3.0;
 /// A plot stronger than this above the mean of noise counts as this strong: it may be a target's.
 const STRONGEST: f64 = 40.0;
-/// Probability that noise in a cell is as strong as an outlier, and that share of its plots at most.
-const OUTLIER: [f64; 2] = [1e-9, 1e-3];
+/// Probability that noise in a cell is as strong as an outlier.
+const OUTLIER: f64 = 1e-9;
+/// Share of noise's plots that are as strong, at most.
+const OUTLIER_SHARE: f64 = 1e-3;
 /// Outliers per cell and scan of a radar of which nothing has been learnt.
 const OUTLIERS_EXPECTED: f64 = 1e-9;
 
@@ -80,32 +84,21 @@ pub struct ClutterMap {
     /// δ_r δ_β δ_ε δ_ṙ, of what is measured.
     cells_product: f64,
     first_scan: Option<u32>,
-    /// Range of the farthest plot so far, cells.
+    /// Range of the farthest plot of late, cells.
     farthest_cells: f64,
+    latest_scan: u32,
     maps: [Map; MAPS],
     bins: HashMap<u64, Bin, BuildHasherDefault<Mix>>,
 }
 
-/// Plots of a track that the map took for false ones before the track was believed: they must not speak against it.
-///
-/// They are looked for in the bins of its last plot: all of them, as if none had been in another.
+/// Plots of a track that the map has counted as false ones, in the bins of its last plot: they must not speak against it.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
 pub struct OwnPlots {
-    /// (r, β, ε, ṙ) of the last one.
-    place: [f32; COORDINATES],
-    plots: f32,
-    outliers: f32,
+    /// By map: the bin, and the track's plots and outliers in it.
+    keys: [u64; MAPS],
+    plots: [f32; MAPS],
+    outliers: [f32; MAPS],
 }
-
-impl OwnPlots {
-    fn add(&mut self, share: f64, is_outlier: bool) {
-        self.plots += share as f32;
-        self.outliers += if is_outlier { share as f32 } else { 0.0 };
-    }
-}
-
-/// The bins of a track's last plot, and its plots and outliers there.
-type Own = ([u64; MAPS], [f32; 2]);
 
 /// What the bins at a place hold.
 #[derive(Debug, Clone, Copy, Default)]
@@ -135,12 +128,13 @@ impl ClutterMap {
         Self {
             radar,
             detector,
-            outlier_power: detector.power_exceeded_by(OUTLIER[0].min(OUTLIER[1] * detector.pfa)),
+            outlier_power: detector.power_exceeded_by(OUTLIER.min(OUTLIER_SHARE * detector.pfa)),
             base,
             memory_scans: f64::from(memory_scans),
             cells_product,
             first_scan: None,
             farthest_cells: 1.0,
+            latest_scan: 0,
             maps,
             bins,
         }
@@ -152,7 +146,9 @@ impl ClutterMap {
         if self.memory_scans <= 0.0 {
             return;
         }
-        self.farthest_cells = self.farthest_cells.max(measurement.polar[0] / self.radar.cell[0]);
+        self.farthest_cells *= f64::from(self.keep(scan.saturating_sub(self.latest_scan)));
+        self.farthest_cells = self.farthest_cells.max(measurement.polar[0] / self.radar.cell[0]).max(1.0);
+        self.latest_scan = self.latest_scan.max(scan);
         if self.bins.len() + MAPS > self.bins.capacity() {
             self.forget(scan);
         }
@@ -167,11 +163,17 @@ impl ClutterMap {
         }
     }
 
-    /// Drops the bins that have forgotten their plots.
+    /// Drops the bins that have forgotten their plots; where they are too many, also those that nearly have.
     fn forget(&mut self, scan: u32) {
-        let memory_scans = self.memory_scans;
-        self.bins.retain(|_, bin| bin.at(scan, memory_scans).sums[0] > FADED);
-        self.bins.reserve(self.bins.len() + MAPS);
+        let (memory_scans, mut faded) = (self.memory_scans, FADED);
+        loop {
+            self.bins.retain(|_, bin| bin.at(scan, memory_scans).sums[0] > faded);
+            if self.bins.len() < MOST {
+                break;
+            }
+            faded *= 2.0;
+        }
+        self.bins.reserve(self.bins.len().clamp(MAPS, MOST));
     }
 
     fn excess(&self, measurement: &Measurement) -> f64 {
@@ -184,33 +186,35 @@ impl ClutterMap {
     }
 
     /// What to expect at each plot of a scan without a track's `own` plots.
-    pub fn in_scan(&self, scan: u32, own: Option<OwnPlots>) -> impl Fn(&Measurement) -> FalsePlots {
+    pub fn in_scan(&self, scan: u32, own: OwnPlots) -> impl Fn(&Measurement) -> FalsePlots {
         let scans = self.scans_learnt(scan);
-        let own = own.map(|own| {
-            let place = own.place.map(f64::from);
-            (std::array::from_fn(|map| self.key(map, &place)), [own.plots, own.outliers])
-        });
-        move |plot| self.expect(plot, scan, scans, own)
+        move |plot| self.expect(plot, scan, scans, &own)
     }
 
-    /// A plot of scan `scan` of which `share` is not claimed, as one that its track must not be held against.
-    pub fn own(&self, plot: &Measurement, share: f64) -> OwnPlots {
-        let mut own = OwnPlots { place: plot.polar.map(|value| value as f32), ..OwnPlots::default() };
-        own.add(share, self.is_outlier(plot));
-        own
-    }
-
-    /// Adds one more, and forgets as the map does.
+    /// Adds a plot of which the map has counted `share` to those of a track; bins that the track has left are forgotten.
     pub fn add_own(&self, own: &mut OwnPlots, plot: &Measurement, share: f64) {
-        own.place = plot.polar.map(|value| value as f32);
-        own.add(share, self.is_outlier(plot));
+        let outlier = if self.is_outlier(plot) { share } else { 0.0 };
+        for map in 0..MAPS {
+            let key = self.key(map, &plot.polar);
+            if own.keys[map] != key {
+                (own.keys[map], own.plots[map], own.outliers[map]) = (key, 0.0, 0.0);
+            }
+            own.plots[map] += share as f32;
+            own.outliers[map] += outlier as f32;
+        }
     }
 
-    /// A scan has passed.
-    pub fn fade(&self, own: &mut OwnPlots) {
-        let keep = (1.0 - 1.0 / self.memory_scans.max(1.0)) as f32;
-        own.plots *= keep;
-        own.outliers *= keep;
+    /// Some scans have passed: a track's plots fade as those of the map do.
+    pub fn fade(&self, own: &mut OwnPlots, scans: u32) {
+        let keep = self.keep(scans);
+        for sum in own.plots.iter_mut().chain(&mut own.outliers) {
+            *sum *= keep;
+        }
+    }
+
+    /// κ to the power of a number of scans.
+    fn keep(&self, scans: u32) -> f32 {
+        keep(scans, self.memory_scans)
     }
 
     /// N': Σ κ^age over the scans so far.
@@ -220,12 +224,12 @@ impl ClutterMap {
         self.memory_scans * (1.0 - keep.powf(passed))
     }
 
-    fn expect(&self, plot: &Measurement, scan: u32, scans: f64, own: Option<Own>) -> FalsePlots {
+    fn expect(&self, plot: &Measurement, scan: u32, scans: f64, own: &OwnPlots) -> FalsePlots {
         let found = if self.bins.is_empty() { Found::default() } else { self.look_up(plot, scan, scans, own) };
         let [all, outliers] = found.per_cell;
         // In a crowd, of strength unknown.
         let crowd = f64::from(plot.crowd);
-        let (all, outliers) = if crowd > all { (crowd, outliers.max(crowd)) } else { (all, outliers) };
+        let (all, outliers) = (all.max(crowd), outliers.max(crowd));
         let per_cell = self.base + all;
         FalsePlots {
             density: per_cell / self.cell_volume(plot),
@@ -236,7 +240,7 @@ impl ClutterMap {
         }
     }
 
-    fn look_up(&self, plot: &Measurement, scan: u32, scans: f64, own: Option<Own>) -> Found {
+    fn look_up(&self, plot: &Measurement, scan: u32, scans: f64, own: &OwnPlots) -> Found {
         let mut found = Found::default();
         let mut nested = [0.0; 2];
         let noise = self.detector.noise_mean_excess() as f32;
@@ -245,12 +249,9 @@ impl ClutterMap {
             let mut sums = [0.0; 3];
             if let Some(bin) = self.bins.get(&key) {
                 sums = bin.at(scan, self.memory_scans).sums;
-                if let Some((keys, [plots, outliers])) = own
-                    && keys[map] == key
-                    && sums[0] > 0.0
-                {
-                    let left = (sums[0] - plots).max(0.0);
-                    sums = [left, sums[1] * left / sums[0], (sums[2] - outliers).max(0.0)];
+                if own.keys[map] == key && sums[0] > 0.0 {
+                    let left = (sums[0] - own.plots[map]).max(0.0);
+                    sums = [left, sums[1] * left / sums[0], (sums[2] - own.outliers[map]).max(0.0)];
                 }
             }
             let [plots, excess, outliers] = sums;
@@ -343,6 +344,11 @@ fn class_width(class: u32) -> f64 {
     if class == 0 { 1.0 } else { 2.0 * 3.0_f64.powi(class as i32 - 1) }
 }
 
+/// κ to the power of a number of scans.
+fn keep(scans: u32, memory_scans: f64) -> f32 {
+    (1.0 - 1.0 / memory_scans.max(1.0)).powi(scans.min(i32::MAX as u32) as i32) as f32
+}
+
 /// Decayed sums of one bin.
 #[derive(Debug, Clone, Copy)]
 struct Bin {
@@ -358,7 +364,7 @@ impl Bin {
         if age == 0 {
             return self;
         }
-        let keep = (1.0 - 1.0 / memory_scans.max(1.0)).powi(age.min(i32::MAX as u32) as i32) as f32;
+        let keep = keep(age, memory_scans);
         Self { sums: self.sums.map(|sum| sum * keep), scan }
     }
 }
@@ -406,14 +412,14 @@ mod tests {
             }
         }
         let place = plot(430.0, 1.2, 0.0);
-        let here = map.in_scan(59, None)(&place);
+        let here = map.in_scan(59, OwnPlots::default())(&place);
         // A ring of one range cell, 628 azimuth cells, one of elevation, two of range rate.
         let expected = 60.0 / (628.3 * 2.0);
         let per_cell = here.density * map.cell_volume(&place);
         assert!(per_cell > 0.8 * expected && per_cell < 3.0 * expected, "{per_cell} {expected}");
         assert!((here.power.mean_excess - 10.0).abs() < 1.0, "{}", here.power.mean_excess);
         let elsewhere = Measurement { polar: [3000.0, 3.0, 0.1, 60.0], ..place };
-        let empty = map.in_scan(59, None)(&elsewhere);
+        let empty = map.in_scan(59, OwnPlots::default())(&elsewhere);
         assert!((empty.density * map.cell_volume(&elsewhere) - 1e-6).abs() < 1e-12);
         assert!(empty.power.mean_excess == 0.0);
     }

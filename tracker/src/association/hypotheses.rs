@@ -15,7 +15,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::association::gate::Gate;
 use crate::association::scan::{Choice, Outcome};
-use crate::association::{Candidate, FalsePlots, Prospect, Rules, Selection, Surroundings, select};
+use crate::association::{Candidate, FalsePlots, GateLoad, Prospect, Rules, Selection, Surroundings, select};
 use crate::filter::gaussian::{Gaussian, at};
 use crate::filter::{
     Densities, Evidence, Expectation, Filter, Group, LANES, Layout, Machine, Mixture, Prior, Row, Update, expect,
@@ -269,6 +269,7 @@ impl Hypotheses {
         let layout = *filter.layout();
         children.clear();
         let (mut best, mut evidence, mut alone) = (None, 0.0, 0.0);
+        let mut load = GateLoad::default();
         let own_probability = rules.own_probability(surroundings.radar);
         for first in (0..self.len()).step_by(LANES) {
             let lanes = LANES.min(self.len() - first);
@@ -277,7 +278,7 @@ impl Hypotheses {
             }
             expect(machine, lanes, surroundings.radar, rules.alpha, prediction, expected);
             found.clear(layout.len());
-            let (mut missed, mut held) = ([0.0; LANES], [(0, 0.0); LANES]);
+            let mut missed = [0.0; LANES];
             for lane in 0..lanes {
                 let (mut weights, mut gates) = ([0.0; MODELS], [Gate::default(); MODELS]);
                 for j in 0..layout.len() {
@@ -293,7 +294,9 @@ impl Hypotheses {
                 for candidate in &candidates[lane] {
                     found.add(lane, &plots[candidate.plot], candidate.offset_s, 1.0);
                 }
-                held[lane] = (candidates[lane].len(), selection.volume);
+                if best.is_none() {
+                    load = GateLoad::new(&candidates[lane], plots, selection.volume);
+                }
                 missed[lane] = weights.iter().zip(&selection.missed).map(|(weight, missed)| weight * missed).sum();
                 best.get_or_insert(selection);
             }
@@ -309,7 +312,7 @@ impl Hypotheses {
                 for (m, candidate) in candidates[lane].iter().enumerate() {
                     let density: f64 =
                         (0..layout.len()).map(|j| prediction.weight(j, lane) * densities.ln(m, j, lane).exp()).sum();
-                    let ratio = density * surroundings.ratio_to_noise(&plots[candidate.plot], held[lane], rules);
+                    let ratio = density * surroundings.ratio_to_noise(&plots[candidate.plot], load, rules);
                     let shared = ratio * surroundings.share(candidate.plot);
                     alone += own_weight * ratio;
                     evidence += own_weight * shared;

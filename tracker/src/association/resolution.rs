@@ -84,7 +84,7 @@ impl Place {
 
     /// (J4): what a plot of two targets says of this one.
     pub(crate) fn of_common(&self, other: &Self, plot: &Measurement, radar: &Radar) -> Measurement {
-        let mut alone = *plot;
+        let mut alone = Measurement { is_common: true, ..*plot };
         for i in (0..COORDINATES).filter(|&i| plot.measured[i] && radar.measured[i]) {
             let pair = self.pair(other, i, radar);
             let (r, q, s) = (plot.variance[i] + BETWEEN * pair.square(), pair.resolution, pair.b);

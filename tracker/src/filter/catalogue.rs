@@ -16,10 +16,10 @@ pub fn layout_of(estimator: Estimator) -> Layout {
 }
 
 /// The family that the configuration names, for a radar.
-pub fn family(config: &TrackerConfig, radar: &Radar) -> Box<dyn Filter> {
+pub fn family(config: &TrackerConfig, radar: &Radar, period_s: f64) -> Box<dyn Filter> {
     let axes = if radar.measured[2] { 3 } else { 2 };
     match config.estimator {
-        Estimator::ImmUav => Box::new(uav::Uav::new(config, axes)),
+        Estimator::ImmUav => Box::new(uav::Uav::new(config, axes, period_s)),
         Estimator::Cv => Box::new(cv::ConstantVelocity::new(config.cv_noise_mps2, axes)),
     }
 }

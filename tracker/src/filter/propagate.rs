@@ -6,8 +6,6 @@
 //! F₂ = [1 T 0; 0 1 0; 0 0 0]      G₂ = a₂ [T²/2 T 0]ᵀ            (T1)
 //! F₃ = [1 T T²/2; 0 1 T; 0 0 1]   G₃ = a₃ [T³/6 T²/2 T]ᵀ
 //! ```
-//! A jerk lasts [`JERK_S`] at most: over a longer step a₃ is a₃ JERK_S/T, so that the acceleration changes by no more than a target can.
-//!
 //! F is the same for every axis: the states of two axes are a 3×3 problem (2×2, 1×1 for components that know less), which stays in
 //! registers from P̄ to P*.
 
@@ -17,9 +15,6 @@ use super::gaussian::at;
 use super::group::ComponentMut;
 use super::lanes::{Lanes, V};
 
-/// How long a jerk lasts, s.
-const JERK_S: f64 = 1.0;
-
 /// Process noise of a component, and the dimension of space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::filter) struct Noise {
@@ -27,13 +22,6 @@ pub(in crate::filter) struct Noise {
     pub(in crate::filter) amplitude: f64,
     /// 3, or 2 for a radar without elevation: z and its derivatives then stay zero.
     pub(in crate::filter) axes: usize,
-}
-
-impl Noise {
-    /// That of a component of three derivatives over a step of `step_s`.
-    pub(in crate::filter) fn of_jerk(self, step_s: f64) -> Self {
-        Self { amplitude: self.amplitude * (JERK_S / step_s).min(1.0), ..self }
-    }
 }
 
 /// ū and P̄ before they are propagated.
@@ -68,11 +56,7 @@ pub(in crate::filter) fn propagate<S: Simd, const N: usize, const P: usize>(
             lanes.put(&mut out.mean[3 * i + axis], u[i]);
         }
     }
-    let mut variance = lanes.splat(noise.amplitude * noise.amplitude);
-    if known > 2 {
-        let share = (lanes.splat(JERK_S) * t.inverse()).rounded().min(lanes.splat(1.0));
-        variance = (variance * (share * share).rounded()).rounded();
-    }
+    let variance = lanes.splat(noise.amplitude * noise.amplitude);
     for b in 0..3 {
         for a in 0..=b {
             let mut columns = [[lanes.splat(0.0); 3]; 3];

@@ -22,7 +22,8 @@ pub(super) fn mark(angles_rad: &[f64], plots: &mut [Measurement], first: usize, 
     let start_of = |cell: f64| angles_rad.partition_point(|angle| cell_of(*angle) < cell);
     let mut cell = cell_of(angle_rad) - 1.0;
     let (mut before, mut here, mut next) = (start_of(cell - 1.0), start_of(cell), start_of(cell + 1.0));
-    while here < plots.len() {
+    // An angle so large that cells cannot be told apart has none.
+    while here < plots.len() && cell + 1.0 > cell {
         let after = next + angles_rad[next..].partition_point(|angle| cell_of(*angle) < cell + 2.0);
         let beam = before..after;
         let crowd = if beam.len() < CROWD { 0.0 } else { (beam.len() - FEW) as f64 / cells(&plots[beam], radar) };

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Far away the uncertainty of a plot is a bent arc: on average it lies nearer than its range by b = r (cos²ε σ_β² + σ_ε²)/2. Where b is more
-//! than a tenth of σ_r the position is moved out by b, and σ_r² grows by 4b²: the variance of the bend, 2b², for an angle that is as uncertain as the
-//! difference of plot and prediction.
+//! than a tenth of σ_r the position is moved out by b, and σ_r² grows by 4b²: 2b² for the bend of the plot, and as much again for a prediction of half
+//! its variance.
 //!
 //! R is evaluated at the mode's predicted position, so the order of plots cannot matter. A
 //! coordinate that was not measured (elevation, range rate) gets unit variance, no coupling and
@@ -31,6 +31,9 @@ pub const NEAREST_M: f64 = 1e-3;
 /// Square of the bend of a plot's uncertainty, over its variance of range, that is left out of account.
 const SLIGHT_BEND: f64 = 0.01;
 
+/// Largest standard error of an angle, rad: a wider one is no direction.
+const WIDEST_RAD: f32 = 1.0;
+
 /// A plot, converted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement {
@@ -50,6 +53,8 @@ pub struct Measurement {
     pub measured: [bool; COORDINATES],
     /// Whether `power` was measured.
     pub has_power: bool,
+    /// Whether it is what a plot of two targets says of one of them: no plot of its own.
+    pub is_common: bool,
     /// Plots per resolution cell in a crowd of its turn, 0 outside one ([`super::crowd`]).
     pub crowd: f32,
 }
@@ -67,6 +72,7 @@ impl Measurement {
             power: 0.0,
             measured: [true; COORDINATES],
             has_power: false,
+            is_common: false,
             crowd: 0.0,
         }
     }
@@ -89,6 +95,8 @@ impl Measurement {
             && within(elevation_rad, std::f64::consts::FRAC_PI_2)
             && within(polar[3], 1e6)
             && (0..COORDINATES).all(|i| !measured[i] || (sigma[i] > 1e-9 && sigma[i] < 1e6))
+            && sigma[1] <= WIDEST_RAD
+            && (!measured[2] || sigma[2] <= WIDEST_RAD)
             && (!has_power || (plot.statistic >= 0.0 && plot.statistic < 1e9));
         if !possible {
             return None;
@@ -112,6 +120,7 @@ impl Measurement {
             power: if has_power { f64::from(plot.statistic) * f64::from(plot.statistic) } else { 0.0 },
             measured,
             has_power,
+            is_common: false,
             crowd: 0.0,
         })
     }

@@ -25,7 +25,7 @@ pub struct Entry {
     pub index: u32,
     /// How far confirmed tracks explain it: the largest association weight.
     pub explained: f64,
-    /// How far tracks claim it: the sum of their weights times existence, at most 1.
+    /// How far tracks claim it: the probability that it is one's, weights times existence taken as independent.
     pub claimed: f64,
     /// The strongest track that took it as its best plot, or the one that it started.
     pub owner: Option<Handle>,

@@ -9,6 +9,7 @@ use common::tracks::Track;
 use common::units::seconds_between;
 
 use super::Tracker;
+use crate::association::clutter_map::OwnPlots;
 use crate::association::hypotheses::Hypotheses;
 use crate::beam::opportunity::{DetectionTime, Opportunity};
 use crate::constants::{EXPLAINED, LEAST_EXISTENCE, STEP_TURNS};
@@ -37,7 +38,11 @@ impl Tracker {
             let entry = self.plots.entry(index);
             let turn = (entry.angle_rad / TAU).max(0.0) as u32;
             let mut claimed = entry.claimed;
-            let owner = self.find(entry.owner).map_or(0.0, |place| self.tracks[place].life.existence);
+            // A plot whose track has just ended begins none.
+            let owner = match entry.owner {
+                Some(_) => self.find(entry.owner).map_or(0.0, |place| self.tracks[place].life.existence),
+                None => 0.0,
+            };
             if entry.explained <= EXPLAINED
                 && let Some(handle) = self.start(index, nth, turn, owner, environment)
             {
@@ -57,9 +62,12 @@ impl Tracker {
     fn start(&mut self, index: usize, nth: usize, turn: u32, owner: f64, environment: &Environment) -> Option<Handle> {
         let (previous, step_s) = self.partner(index, nth, &environment.limits, &environment.radar)?;
         let (entry, last) = (*self.plots.entry(index), self.plots.measurement(index));
+        let observed = 1.0 - self.plots.entry(previous).claimed;
         let previous = self.plots.measurement(previous);
-        let existence = environment.start_existence(previous, last, step_s, turn, &self.config);
-        if existence < LEAST_EXISTENCE.max(owner) {
+        let mut own_plots = OwnPlots::default();
+        environment.clutter.add_own(&mut own_plots, previous, observed);
+        let existence = environment.start_existence(previous, last, own_plots, step_s, turn, &self.config);
+        if existence < LEAST_EXISTENCE || existence <= owner {
             return None;
         }
         let Self { births: Births { state, .. }, tracks, .. } = self;
@@ -72,8 +80,8 @@ impl Tracker {
         for plot in [previous, last].into_iter().filter(|plot| plot.has_power) {
             amplitude.learn(plot.power, 1.0, environment.detector.threshold);
         }
-        let mut own_plots = environment.clutter.own(previous, 1.0);
-        environment.clutter.add_own(&mut own_plots, last, 1.0 - existence);
+        environment.clutter.fade(&mut own_plots, 1);
+        environment.clutter.add_own(&mut own_plots, last, 1.0 - existence.max(entry.claimed));
         let hypotheses = Hypotheses::most(&self.config).map(|most| tracks.hypotheses(state, most));
         let id = self.next_id;
         self.next_id += 1;

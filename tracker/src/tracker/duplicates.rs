@@ -5,7 +5,7 @@
 use common::tracks::Track;
 
 use super::Tracker;
-use crate::constants::{PASSING_SPEED, SAME, SHARED_SCANS};
+use crate::constants::{MOST_PASSING, PASSING_SPEED, SAME, SHARED_SCANS};
 use crate::environment::Environment;
 use crate::tracks::track::DuplicateOf;
 
@@ -34,7 +34,8 @@ impl Tracker {
         let of_one_target = SHARED_SCANS[usize::from(a.life.is_confirmed() && b.life.is_confirmed())];
         let passing = || {
             let cell_m = environment.radar.cell_m(a.last.range_m[0].midpoint(a.last.range_m[1]));
-            (cell_m / (PASSING_SPEED * environment.limits.speed_mps * self.sweep.period_s())) as u32
+            (cell_m / (PASSING_SPEED * environment.limits.speed_mps * self.sweep.period_s())).ceil().min(MOST_PASSING)
+                as u32
         };
         let needed = if may_share { of_one_target.max(passing()) } else { of_one_target };
         if scans < needed || self.tracks.squared_distance(place, other) > SAME {

@@ -12,6 +12,7 @@ use common::units::seconds_between;
 
 use super::Tracker;
 use super::forecast::next_detection;
+use crate::association::GateLoad;
 use crate::association::hypotheses::{Means, Room};
 use crate::association::joint::{LEAST_SHARE, Sharing};
 use crate::association::rivals::Rivals;
@@ -274,7 +275,7 @@ impl Tracker {
                 let prediction = states.prediction_words(place, of);
                 environment.claimant(config, rival, prediction, rival.opportunity(of).time_ns)
             });
-            let clutter = environment.clutter.in_scan(pending.turn, Some(track.own_plots));
+            let clutter = environment.clutter.in_scan(pending.turn, track.own_plots);
             let shared = sharing.share(&own, rivals, &offered.measurements[first..], clutter, &environment.radar);
             for (share, &other) in offered.shares[first..].iter_mut().zip(shared.shares) {
                 *share = share.min(other);
@@ -371,8 +372,15 @@ impl Tracker {
         let spread = moments[0].spread(lane, &environment.radar);
         let is_adrift = choice.best().is_some_and(|(plot, _)| {
             let best = &offered.measurements[pending.offered.start + plot];
-            let here = environment.clutter.in_scan(pending.turn, Some(track.own_plots))(best);
-            spread.is_adrift(here.crowded(outcome.plots_in_gate, outcome.selection.volume).density)
+            let here = environment.clutter.in_scan(pending.turn, track.own_plots)(best);
+            spread.is_adrift(
+                here.crowded(GateLoad::new(
+                    &choice.candidates,
+                    &offered.measurements[pending.offered.clone()],
+                    outcome.selection.volume,
+                ))
+                .density,
+            )
         });
         let turns = ((track.next.angle_rad - track.angle_rad) / TAU).round().max(1.0) as u32;
         if turns > 1 {
@@ -383,7 +391,7 @@ impl Tracker {
         track.searched_to_rad = track.next.due_rad();
         if sweep.has_seen(track.next.angle_rad) || outcome.plots_in_gate > 0 {
             let evidence = track.evidence(outcome, pending.evidence);
-            let missed = 1.0 - outcome.selection.detection_probability;
+            let missed = outcome.selection.missed[outcome.selection.component];
             let evidence = if is_adrift { evidence.min(missed) } else { evidence };
             track.life.observe(evidence, outcome.weight_none < MISS_WEIGHT && !is_adrift, config);
         } else {
@@ -434,7 +442,7 @@ impl Tracker {
         for share in shares.iter() {
             let entry = plots.entry_mut(share.plot);
             track.last_scan.add(entry.seq, entry.index, share.weight, share.gates);
-            entry.claimed = (entry.claimed + share.weight * track.life.existence).min(1.0);
+            entry.claimed += (1.0 - entry.claimed) * share.weight * track.life.existence;
             if track.life.is_confirmed() {
                 entry.explained = entry.explained.max(share.weight);
             }
@@ -442,7 +450,7 @@ impl Tracker {
                 best = Some((share.plot, share.weight));
             }
         }
-        environment.clutter.fade(&mut track.own_plots);
+        environment.clutter.fade(&mut track.own_plots, turns);
         if let Some((plot, weight)) = best.filter(|(_, weight)| *weight > MISS_WEIGHT) {
             let unclaimed = 1.0 - weight * track.life.existence;
             environment.clutter.add_own(&mut track.own_plots, plots.measurement(plot), unclaimed);

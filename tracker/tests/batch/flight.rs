@@ -34,7 +34,7 @@ pub(crate) fn radar(full: bool) -> Radar {
 /// The filter under test.
 pub(crate) fn filter(full: bool, stay: f64) -> Uav {
     let axes = if full { 3 } else { 2 };
-    Uav { noise: [1.0, 1.0, 7.0], axes, stay, start_probability: [0.33, 0.34, 0.33] }
+    Uav { noise: [1.0, 1.0, 7.0], jerk_share: 1.0, axes, stay, start_probability: [0.33, 0.34, 0.33] }
 }
 
 /// Its modes.
@@ -62,6 +62,7 @@ pub(crate) fn measurement(polar: [f64; COORDINATES], scale: f64, measured: [bool
         power: 20.0,
         measured,
         has_power: true,
+        is_common: false,
         crowd: 0.0,
     }
 }

@@ -10,6 +10,7 @@ use crate::filter::lanes::Row;
 use crate::filter::layout::Layout;
 use crate::filter::machine::Machine;
 use crate::filter::mixture::Mixture;
+use crate::filter::propagate::Noise;
 use crate::filter::seam::Filter;
 use crate::filter::start::TwoPlots;
 
@@ -30,12 +31,8 @@ impl Filter for Uav {
     fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]) {
         state[..MODES].copy_from_slice(&self.start_probability);
         for (mode, &n) in DIMENSIONS.iter().enumerate() {
-            let noise = self.noise_of(mode);
-            let gaussian = match mode {
-                HOVER => from.resting(),
-                MANOEUVRE => from.moving(noise.of_jerk(from.step_s)),
-                _ => from.moving(noise),
-            };
+            let noise = Noise { amplitude: self.noise[mode], axes: self.axes };
+            let gaussian = if mode == HOVER { from.resting() } else { from.moving(noise) };
             let (mean, rest) = state[LAYOUT.start(mode)..].split_at_mut(n);
             mean.copy_from_slice(&gaussian.mean[..n]);
             rest[..packed(n)].copy_from_slice(&gaussian.covariance[..packed(n)]);

@@ -10,7 +10,7 @@
 use common::tracks::STATE;
 
 use tracker::filter::gaussian::{Gaussian, at, packed};
-use tracker::filter::uav::{CONSTANT_VELOCITY, HOVER, MANOEUVRE, MODES};
+use tracker::filter::uav::{CONSTANT_VELOCITY, HOVER, MODES};
 
 /// States that each mode knows: the leading ones.
 pub(crate) const DIMENSIONS: [usize; MODES] = [3, 6, 9];
@@ -60,7 +60,7 @@ impl Motion {
             CONSTANT_VELOCITY => [half_square, dt_s, 0.0],
             _ => [half_square * dt_s / 3.0, half_square, dt_s],
         }
-        .map(|g| g * self.noise[mode] * if mode == MANOEUVRE { (1.0 / dt_s).min(1.0) } else { 1.0 });
+        .map(|g| g * self.noise[mode]);
         for axis in 0..self.axes {
             for j in 0..=mode {
                 for i in 0..=j {
@@ -129,14 +129,13 @@ mod tests {
 
     type Matrix9 = SMatrix<f64, STATE, STATE>;
 
-    /// (T1) as printed, in the order of messages; a jerk lasts one second at most.
+    /// (T1) as printed, in the order of messages.
     fn definition(mode: usize, noise: f64, t: f64) -> (Matrix9, Matrix9) {
         let (f, g) = match mode {
             HOVER => ([[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]], [t, 0.0, 0.0]),
             CONSTANT_VELOCITY => ([[1.0, t, 0.0], [0.0, 1.0, 0.0], [0.0; 3]], [t * t / 2.0, t, 0.0]),
             _ => ([[1.0, t, t * t / 2.0], [0.0, 1.0, t], [0.0, 0.0, 1.0]], [t * t * t / 6.0, t * t / 2.0, t]),
         };
-        let noise = if mode == MANOEUVRE && t > 1.0 { noise / t } else { noise };
         let (mut full_f, mut full_q) = (Matrix9::zeros(), Matrix9::zeros());
         for axis in 0..3 {
             for i in 0..3 {
