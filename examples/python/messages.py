@@ -90,7 +90,8 @@ class PlotsHeader(ctypes.Structure):
         ("rejected", ctypes.c_uint32),
         ("left_out", ctypes.c_uint32),
         ("source_id", ctypes.c_uint32),
-        ("reserved", ctypes.c_uint32 * 4),
+        ("range_rate_interval_mps", ctypes.c_double),
+        ("reserved", ctypes.c_uint32 * 2),
         ("padding", ctypes.c_uint8 * 16),
     ]  # 256 bytes
 

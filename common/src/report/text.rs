@@ -206,11 +206,11 @@ impl TrackSummary {
         lines.share("looks with a plot", Some(self.hit_share))?;
         let [id, life, range] = ["track", "life s", "range m"];
         let [azimuth, speed, course, hits] = ["azimuth °", "speed m/s", "course °", "hits"];
-        writeln!(out, "\n{id:>10}{life:>9}{range:>10}{azimuth:>11}{speed:>11}{course:>10}{hits:>12}")?;
+        writeln!(out, "\n{id:>10}{life:>9}{range:>10}{azimuth:>11}{speed:>11}{course:>10}{hits:>16}")?;
         for line in self.list.iter().take(LISTED_TRACKS) {
             writeln!(
                 out,
-                "{:>10}{:>9.1}{:>10.0}{:>11.2}{:>11.1}{:>10.1}{:>12}{}",
+                "{:>10}{:>9.1}{:>10.0}{:>11.2}{:>11.1}{:>10.1}{:>16}{}",
                 line.id,
                 line.life_s,
                 line.range_m,

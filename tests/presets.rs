@@ -1,0 +1,33 @@
+//! The presets as they are: every target of their scenarios is confirmed and kept, and nothing else is.
+
+mod support;
+
+use std::path::Path;
+
+use support::{Bench, output, text_of};
+
+fn assert_followed(preset: &str, targets: u64) {
+    let bench = Bench::new();
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config").join(preset);
+    let result = output(&mut bench.command("run", &config));
+    assert!(result.status.success(), "{}", text_of(&result));
+    let report = bench.report();
+    let tracking = &report.tracking;
+    assert_eq!(report.lost(), 0);
+    assert_eq!(
+        (tracking.targets, tracking.confirmed, tracking.false_tracks, tracking.lost),
+        (Some(targets), Some(targets), Some(0), Some(0)),
+        "{}",
+        text_of(&result)
+    );
+}
+
+#[test]
+fn aircraft_about_an_approach_radar() {
+    assert_followed("approach.toml", 6);
+}
+
+#[test]
+fn ships_before_a_coastal_radar() {
+    assert_followed("coastal.toml", 5);
+}
