@@ -178,9 +178,15 @@ impl Target {
             let place = Polar::from_enu(&self.at(time_s, radar)?.position_m);
             time_s = (time_s + angle::difference(place.azimuth_rad, turn_rate * time_s) / turn_rate).max(0.0);
         }
-        Some((time_s, self.at(time_s, radar)?))
+        let state = self.at(time_s, radar)?;
+        // Where the beam would have passed before the start it has not.
+        let beside_rad = angle::difference(Polar::from_enu(&state.position_m).azimuth_rad, turn_rate * time_s);
+        (beside_rad.abs() < BESIDE_RAD).then_some((time_s, state))
     }
 }
+
+/// How far beside a target the beam may be when it passes it, rad: what the search leaves.
+const BESIDE_RAD: f64 = 1e-3;
 
 /// The scan of a passage, also of a target that stands exactly in the north, where scans meet.
 fn scan_at(time_s: f64, radar: &RadarConfig) -> u32 {
@@ -314,6 +320,28 @@ mod tests {
     }
 
     /// The draw of a fluctuating target stays the same while the beam passes it, wherever the count of scans goes on.
+    /// The beam starts in the north: what lies to the west of it is first passed late in the first turn, and once.
+    #[test]
+    fn a_target_in_the_west_is_not_passed_at_the_start() {
+        let mut chain = ChainConfig::default();
+        chain.sim.targets.push(TargetConfig {
+            name: "west".into(),
+            motion: MotionConfig::Straight { position_m: [-1500.0, 600.0, 200.0], velocity_mps: [0.0, 10.0, 0.0] },
+            rcs_m2: None,
+            snr_db: Some(20.0),
+            swerling: Swerling::Zero,
+            first_scan: 0,
+        });
+        let scene = Scene::new(&chain).expect("valid scenario");
+        for scan in 0..3 {
+            let mut truth = Vec::new();
+            scene.truth(scan, 0, &mut truth);
+            assert_eq!(truth.len(), 1, "scan {scan}");
+            let turned = truth[0].time_ns as f64 / 1e9 - f64::from(scan);
+            assert!((0.75..1.0).contains(&turned), "scan {scan}: {turned}");
+        }
+    }
+
     #[test]
     fn one_passage_is_one_draw_also_across_north() {
         let mut scene = scene([0.0, 1500.0, 100.0], [0.0; 3]);
