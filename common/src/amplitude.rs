@@ -287,17 +287,22 @@ impl TargetStatistics {
     pub fn likelihood_ratio_among(&self, q: f64, among: FalsePower) -> f64 {
         let FalsePower { mean_excess, outliers } = among;
         let ln_ratio = self.ln_ratio(q) + self.ln_scale;
-        if mean_excess <= 0.0 && outliers <= 0.0 {
-            return ln_ratio.exp().min(MAX_RATIO);
+        let ln_noise = || self.detector.gamma_1(q, 1.0).ln_density - self.detector.pfa.ln();
+        let excess = q - self.detector.threshold;
+        if outliers <= 0.0 {
+            if mean_excess <= 0.0 {
+                return ln_ratio.exp().min(MAX_RATIO);
+            }
+            let ln_clutter = -excess / mean_excess - mean_excess.ln();
+            return (ln_ratio + (ln_noise() - ln_clutter).min(0.0)).exp().min(MAX_RATIO);
         }
-        let ln_noise = self.detector.gamma_1(q, 1.0).ln_density - self.detector.pfa.ln();
-        let ln_clutter = -(q - self.detector.threshold) / mean_excess - mean_excess.ln();
-        let ln_clutter = if mean_excess > 0.0 { ln_clutter } else { f64::NEG_INFINITY };
-        let any_strength = if q >= self.detector.threshold { 1.0 / (q * LN_OUTLIERS) } else { 0.0 };
-        let ln_false = ln_noise.max(ln_clutter).max((outliers * any_strength).ln());
-        let glints = if outliers > 0.0 { GLINTS } else { 0.0 };
-        let glint = if any_strength > 0.0 { glints * any_strength * (-ln_false).exp() } else { 0.0 };
-        ((1.0 - glints) * (ln_ratio + ln_noise - ln_false).exp() + glint).min(1.0 / outliers).min(MAX_RATIO)
+        // No density of false plots vanishes here, so that logarithms are not needed.
+        let any_strength = if excess >= 0.0 { 1.0 / (q * LN_OUTLIERS) } else { 0.0 };
+        let ln_noise = ln_noise();
+        let clutter = if mean_excess > 0.0 { (-excess / mean_excess).exp() / mean_excess } else { 0.0 };
+        let false_plots = ln_noise.exp().max(clutter).max(outliers * any_strength);
+        let target = (1.0 - GLINTS) * (ln_ratio + ln_noise).exp() + GLINTS * any_strength;
+        (target / false_plots).min(1.0 / outliers)
     }
 
     /// Swerling 0: D = Σ_k Poisson(k; S) P(I ≤ k), where I counts the noise events before the

@@ -39,6 +39,8 @@ const ROOM: usize = 1 << 16;
 const MOST: usize = 1 << 18;
 /// A bin whose plots have faded to this is forgotten.
 const FADED: f32 = 0.02;
+/// Share of a plot that counts for nothing: a track that is sure takes the rest.
+const NOTHING: f64 = 0.01;
 /// Plots of noise that every bin's mean power starts with.
 const PRIOR_PLOTS: f32 = 3.0;
 /// A plot stronger than this above the mean of noise counts as this strong: it may be a target's.
@@ -193,6 +195,9 @@ impl ClutterMap {
 
     /// Adds a plot of which the map has counted `share` to those of a track; bins that the track has left are forgotten.
     pub fn add_own(&self, own: &mut OwnPlots, plot: &Measurement, share: f64) {
+        if share < NOTHING || self.memory_scans <= 0.0 {
+            return;
+        }
         let outlier = if self.is_outlier(plot) { share } else { 0.0 };
         for map in 0..MAPS {
             let key = self.key(map, &plot.polar);
@@ -206,6 +211,10 @@ impl ClutterMap {
 
     /// Some scans have passed: a track's plots fade as those of the map do.
     pub fn fade(&self, own: &mut OwnPlots, scans: u32) {
+        // The whole range is the last bin that a track leaves.
+        if own.plots[0] == 0.0 {
+            return;
+        }
         let keep = self.keep(scans);
         for sum in own.plots.iter_mut().chain(&mut own.outliers) {
             *sum *= keep;
@@ -219,9 +228,11 @@ impl ClutterMap {
 
     /// N': Σ κ^age over the scans so far.
     fn scans_learnt(&self, scan: u32) -> f64 {
-        let passed = f64::from(scan.saturating_sub(self.first_scan.unwrap_or(scan)));
-        let keep = 1.0 - 1.0 / self.memory_scans.max(1.0);
-        self.memory_scans * (1.0 - keep.powf(passed))
+        if self.bins.is_empty() {
+            return 0.0;
+        }
+        let passed = scan.saturating_sub(self.first_scan.unwrap_or(scan));
+        self.memory_scans * f64::from(1.0 - self.keep(passed))
     }
 
     fn expect(&self, plot: &Measurement, scan: u32, scans: f64, own: &OwnPlots) -> FalsePlots {

@@ -253,8 +253,11 @@ impl Tracker {
             near.retain(|&plot| (pending.from_rad..=track.next.due_rad()).contains(&plots.entry(plot).angle_rad));
             near.sort_unstable();
             let first = offered.measurements.len();
-            let prediction = tracks.states.prediction_words(pending.place, Of::NextScan);
-            let expected_mps = Mixture::new(environment.filter.layout(), prediction).range_rate_mps();
+            let expected_mps = || {
+                let prediction = tracks.states.prediction_words(pending.place, Of::NextScan);
+                Mixture::new(environment.filter.layout(), prediction).range_rate_mps()
+            };
+            let expected_mps = if environment.radar.range_rate_interval_mps > 0.0 { expected_mps() } else { 0.0 };
             for &plot in near.iter() {
                 let explained =
                     !track.life.is_confirmed() && config.joint_association && plots.entry(plot).explained > EXPLAINED;
@@ -370,17 +373,13 @@ impl Tracker {
         let track = &mut tracks[pending.place];
         let was_confirmed = track.life.is_confirmed();
         let spread = moments[0].spread(lane, &environment.radar);
+        let offer = &offered.measurements[pending.offered.clone()];
+        let false_plots = environment.clutter.in_scan(pending.turn, track.own_plots);
         let is_adrift = choice.best().is_some_and(|(plot, _)| {
-            let best = &offered.measurements[pending.offered.start + plot];
-            let here = environment.clutter.in_scan(pending.turn, track.own_plots)(best);
-            spread.is_adrift(
-                here.crowded(GateLoad::new(
-                    &choice.candidates,
-                    &offered.measurements[pending.offered.clone()],
-                    outcome.selection.volume,
-                ))
-                .density,
-            )
+            let gate = || GateLoad::new(&choice.candidates, offer, outcome.selection.volume);
+            // A cell never holds more than one false plot on average.
+            spread.volume > environment.clutter.cell_volume(&offer[plot])
+                && spread.is_adrift(false_plots(&offer[plot]).crowded(gate()).density)
         });
         let turns = ((track.next.angle_rad - track.angle_rad) / TAU).round().max(1.0) as u32;
         if turns > 1 {
