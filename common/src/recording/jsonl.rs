@@ -1,7 +1,7 @@
 //! JSON lines: one object per message,
 //! `{"topic":"plots","header":{…},"elements":[…]}`.
 //!
-//! Of plots, nearly everything may be left out ([`plain_plots`](super::plain_plots)). A number that is not known is `null`.
+//! Of plots, nearly everything may be left out. A number that is not known is `null`.
 //! Numbers are written with as many digits as it takes to read them back unchanged.
 //! Dwells have no text form: they would take 10⁹ bytes per second.
 

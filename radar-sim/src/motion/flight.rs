@@ -35,7 +35,7 @@ struct Dropped {
 impl Flight {
     /// Reads a CSV file with the columns `timestamp` or `time`, `latitude`, `longitude` (degrees)
     /// and `altitude (m)`, in any order among others, and puts its first row at `start_m`. Times are seconds, of the day
-    /// or since any moment, or ISO 8601 ([`FlightClock`]); a flight may pass midnight and the 180th meridian.
+    /// or since any moment, or ISO 8601; a flight may pass midnight and the 180th meridian.
     ///
     /// # Errors
     /// A sentence that says what was expected.

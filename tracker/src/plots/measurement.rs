@@ -55,7 +55,7 @@ pub struct Measurement {
     pub has_power: bool,
     /// Whether it is what a plot of two targets says of one of them: no plot of its own.
     pub is_common: bool,
-    /// Plots per resolution cell in a crowd of its turn, 0 outside one ([`super::crowd`]).
+    /// Plots per resolution cell in a crowd of its turn, 0 outside one.
     pub crowd: f32,
 }
 

@@ -31,7 +31,7 @@ const START_PROBABILITY: [f64; MODES] = [0.33, 0.34, 0.33];
 pub struct Uav {
     /// a₁ (m/s), a₂ (m/s²), a₃ (m/s³).
     pub noise: [f64; MODES],
-    /// Share of a₃ that counts: a jerk lasts [`JERK_S`] at most, so that the acceleration changes between two looks by no more than a target can.
+    /// Share of a₃ that counts: a jerk lasts one second at most, so that the acceleration changes between two looks by no more than a target can.
     pub jerk_share: f64,
     /// 3, or 2 for a radar without elevation: z and its derivatives then stay zero.
     pub axes: usize,
