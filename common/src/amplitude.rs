@@ -139,7 +139,7 @@ impl Detector {
     }
 
     /// The same before a target of which nothing is known but that most are about `snr_db` strong and some 10 and 20 dB more.
-    pub fn new_target(&self, swerling: Swerling, snr_db: f64) -> TargetStatistics {
+    pub fn target_of_unknown_power(&self, swerling: Swerling, snr_db: f64) -> TargetStatistics {
         self.target_of(swerling, [0.0, 0.0, 0.0, 10.0, 20.0].map(|more_db| from_db(snr_db + more_db)), SNR_POINTS)
     }
 

@@ -27,3 +27,6 @@ pub(crate) const LATE_CELLS: f64 = 2.0;
 pub(crate) const LEAST_EXISTENCE: f64 = 1e-7;
 /// Shortest and longest time between two plots of successive turns, turns.
 pub(crate) const STEP_TURNS: [f64; 2] = [0.25, 1.5];
+
+/// Plots of one gate, or of one beam width, that are no crowd: a target's own, and a neighbour's.
+pub(crate) const FEW: usize = 3;

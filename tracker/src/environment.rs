@@ -19,6 +19,9 @@ use crate::tracks::track::LiveTrack;
 /// Cells tested per false plot where the radar does not say: its plots are not the result of a known threshold.
 const UNKNOWN_PFA: f64 = 1e-6;
 
+/// Relative change of the turn time that changes nothing else.
+const SAME_TURN: f64 = 0.1;
+
 /// The radar as its headers describe it.
 #[derive(Debug)]
 pub(crate) struct Environment {
@@ -29,6 +32,8 @@ pub(crate) struct Environment {
     /// Statistics of the power of a target of which nothing is known yet.
     start_target: TargetStatistics,
     pub(crate) filter: Box<dyn Filter>,
+    /// Turn time that the filter is for, s.
+    period_s: f64,
     /// Of the pairs of plots that may start a track.
     pub(crate) limits: PairLimits,
     pub(crate) machine: Machine,
@@ -54,14 +59,23 @@ impl Environment {
             radar,
             detector,
             threshold_is_known: header.pfa > 0.0,
-            start_target: detector.new_target(config.swerling, config.snr_db),
+            start_target: detector.target_of_unknown_power(config.swerling, config.snr_db),
             limits: PairLimits {
                 speed_mps: config.start_speed_mps,
                 acceleration_mps2: filter.greatest_acceleration_mps2(),
             },
             filter,
+            period_s: header.scan_period_s,
             machine,
             clutter: ClutterMap::new(radar, detector, base, config.clutter_map_scans),
+        }
+    }
+
+    /// Follows a turn time that has changed: what the filter's noise depends on.
+    pub(crate) fn turn_in(&mut self, period_s: f64, config: &TrackerConfig) {
+        if (period_s / self.period_s - 1.0).abs() > SAME_TURN {
+            self.period_s = period_s;
+            self.filter = family(config, &self.radar, period_s);
         }
     }
 

@@ -130,6 +130,7 @@ impl Tracker {
             Some(environment) if environment.is_described_by(header) => environment,
             _ => Environment::new(header, &self.config, self.machine),
         };
+        environment.turn_in(header.scan_period_s, &self.config);
         for (index, plot) in plots.iter().enumerate() {
             if let Err(reason) = self.store(header, index, plot) {
                 processed.rejected.count(reason);

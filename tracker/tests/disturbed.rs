@@ -24,7 +24,7 @@ const LASTING: u32 = 10;
 const FOLLOWED: f64 = 0.75;
 
 /// Draws the plots of a turn.
-type Draw = dyn Fn(&Radar, u32, &mut dyn Rng) -> Vec<(Polar, f64, f64)>;
+type Draw = dyn Fn(&Radar, u32, &mut dyn Rng) -> Vec<Echo>;
 
 /// Radars of several kinds.
 fn radars() -> [(&'static str, Radar); 4] {
@@ -80,99 +80,82 @@ fn radars() -> [(&'static str, Radar); 4] {
     ]
 }
 
-fn poisson(mean: f64, rng: &mut dyn Rng) -> usize {
-    Poisson::new(mean).expect("positive").sample(rng) as usize
+/// A plot that is no target's: place, range rate (m/s), power over noise.
+type Echo = (Polar, f64, f64);
+
+/// As many plots a turn as a Poisson number of this mean, each drawn by `one`.
+fn many(mean: f64, one: impl Fn(&Radar, u32, &mut dyn Rng) -> Echo) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<Echo> {
+    move |radar, scan, rng| {
+        let count = Poisson::new(mean).expect("positive").sample(rng) as usize;
+        (0..count).map(|_| one(radar, scan, rng)).collect()
+    }
 }
 
 /// Plots at random places, of random strength up to 50 dB.
-fn random(mean: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<(Polar, f64, f64)> {
-    move |radar, _, rng| {
-        (0..poisson(mean, rng))
-            .map(|_| {
-                let (place, rate) = radar.anywhere(rng);
-                (place, rate, radar.threshold() * from_db(rng.random_range(0.0..35.0)))
-            })
-            .collect()
-    }
+fn random(mean: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<Echo> {
+    many(mean, move |radar, _, rng| {
+        let (place, rate) = radar.anywhere(rng);
+        (place, rate, radar.threshold() * from_db(rng.random_range(0.0..35.0)))
+    })
 }
 
 /// Plots of noise's strength over the surface.
-fn weak(mean: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<(Polar, f64, f64)> {
-    move |radar, _, rng| {
-        (0..poisson(mean, rng))
-            .map(|_| {
-                let (place, rate) = radar.anywhere(rng);
-                // Alike over the surface, so fewer near.
-                let place = Polar { range_m: radar.range_m * rng.random::<f64>().sqrt().max(0.01), ..place };
-                (place, rate, radar.threshold() + exponential(rng))
-            })
-            .collect()
-    }
+fn weak(mean: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<Echo> {
+    many(mean, move |radar, _, rng| {
+        let (place, rate) = radar.anywhere(rng);
+        // Alike over the surface, so fewer near.
+        let place = Polar { range_m: radar.range_m * rng.random::<f64>().sqrt().max(0.01), ..place };
+        (place, rate, radar.threshold() + exponential(rng))
+    })
 }
 
 /// A strobe along one azimuth, which stands still or turns.
-fn strobe(mean: f64, turns_rad: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<(Polar, f64, f64)> {
-    move |radar, scan, rng| {
-        (0..poisson(mean, rng))
-            .map(|_| {
-                let (place, rate) = radar.anywhere(rng);
-                let azimuth = 1.0 + turns_rad * f64::from(scan) + radar.cell[1] * rng.random_range(-1.0..1.0);
-                let q = radar.threshold() * from_db(rng.random_range(0.0..30.0));
-                (Polar { azimuth_rad: azimuth.rem_euclid(TAU), ..place }, rate, q)
-            })
-            .collect()
-    }
+fn strobe(mean: f64, turns_rad: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<Echo> {
+    many(mean, move |radar, scan, rng| {
+        let (place, rate) = radar.anywhere(rng);
+        let azimuth = 1.0 + turns_rad * f64::from(scan) + radar.cell[1] * rng.random_range(-1.0..1.0);
+        let q = radar.threshold() * from_db(rng.random_range(0.0..30.0));
+        (Polar { azimuth_rad: azimuth.rem_euclid(TAU), ..place }, rate, q)
+    })
 }
 
 /// A ring of one range.
-fn ring(mean: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<(Polar, f64, f64)> {
-    move |radar, _, rng| {
-        (0..poisson(mean, rng))
-            .map(|_| {
-                let (place, rate) = radar.anywhere(rng);
-                let range_m = 0.4 * radar.range_m + 2.0 * radar.cell[0] * rng.random_range(-1.0..1.0);
-                (Polar { range_m, ..place }, rate, radar.threshold() * from_db(rng.random_range(0.0..30.0)))
-            })
-            .collect()
-    }
+fn ring(mean: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<Echo> {
+    many(mean, move |radar, _, rng| {
+        let (place, rate) = radar.anywhere(rng);
+        let range_m = 0.4 * radar.range_m + 2.0 * radar.cell[0] * rng.random_range(-1.0..1.0);
+        (Polar { range_m, ..place }, rate, radar.threshold() * from_db(rng.random_range(0.0..30.0)))
+    })
 }
 
 /// K-distributed sea clutter out to a third of the range: spikes of shape ν, many a turn.
-fn sea(nu: f64, mean: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<(Polar, f64, f64)> {
-    move |radar, _, rng| {
-        let texture = Gamma::new(nu, 1.0 / nu).expect("positive");
-        (0..poisson(mean, rng))
-            .map(|_| {
-                let (place, rate) = radar.anywhere(rng);
-                let range_m = 0.33 * radar.range_m * rng.random::<f64>().sqrt().max(0.02);
-                // The tail above the threshold of clutter 5 dB over the noise.
-                let tail = loop {
-                    let q = 6.0 * texture.sample(rng) * exponential(rng);
-                    if q > radar.threshold() {
-                        break q;
-                    }
-                };
-                let place = Polar { range_m, elevation_rad: 0.3 * radar.cell[2], ..place };
-                (place, 0.05 * rate, tail)
-            })
-            .collect()
-    }
+fn sea(nu: f64, mean: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<Echo> {
+    let texture = Gamma::new(nu, 1.0 / nu).expect("positive");
+    many(mean, move |radar, _, rng| {
+        let (place, rate) = radar.anywhere(rng);
+        let range_m = 0.33 * radar.range_m * rng.random::<f64>().sqrt().max(0.02);
+        // The tail above the threshold of clutter 5 dB over the noise.
+        let tail = loop {
+            let q = 6.0 * texture.sample(rng) * exponential(rng);
+            if q > radar.threshold() {
+                break q;
+            }
+        };
+        let place = Polar { range_m, elevation_rad: 0.3 * radar.cell[2], ..place };
+        (place, 0.05 * rate, tail)
+    })
 }
 
 /// Rain: a volume that drifts.
-fn rain(mean: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<(Polar, f64, f64)> {
-    move |radar, scan, rng| {
-        (0..poisson(mean, rng))
-            .map(|_| {
-                let (place, _) = radar.anywhere(rng);
-                let centre = 0.5 * radar.range_m + 10.0 * radar.period_s * f64::from(scan);
-                let range_m = centre + 0.1 * radar.range_m * rng.random_range(-1.0..1.0);
-                let azimuth_rad = 2.0 + 0.3 * rng.random_range(-1.0..1.0);
-                let q = radar.threshold() + 4.0 * exponential(rng);
-                (Polar { range_m, azimuth_rad, ..place }, 10.0 + 0.1 * radar.cell[3] * rng.random_range(-1.0..1.0), q)
-            })
-            .collect()
-    }
+fn rain(mean: f64) -> impl Fn(&Radar, u32, &mut dyn Rng) -> Vec<Echo> {
+    many(mean, move |radar, scan, rng| {
+        let (place, _) = radar.anywhere(rng);
+        let centre = 0.5 * radar.range_m + 10.0 * radar.period_s * f64::from(scan);
+        let range_m = centre + 0.1 * radar.range_m * rng.random_range(-1.0..1.0);
+        let azimuth_rad = 2.0 + 0.3 * rng.random_range(-1.0..1.0);
+        let q = radar.threshold() + 4.0 * exponential(rng);
+        (Polar { range_m, azimuth_rad, ..place }, 10.0 + 0.1 * radar.cell[3] * rng.random_range(-1.0..1.0), q)
+    })
 }
 
 /// What a disturbance and a target in it have come to.

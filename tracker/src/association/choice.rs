@@ -18,12 +18,10 @@ use common::config::{Association, Clutter, GateRule, TrackerConfig};
 use common::tracks::{GATE_MOST_PROBABLE, GATE_NONE, GATE_UNION, GATE_WIDEST, GATE_WIDEST_FALLBACK, MODELS};
 
 use crate::association::gate::{self, Gate};
+use crate::constants::FEW;
 use crate::filter::most_probable;
 use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
-
-/// Plots in a gate that are no crowd.
-const FEW: usize = 3;
 
 /// How plots are chosen and weighted; the part of the configuration that the filter needs.
 #[derive(Debug, Clone, Copy, PartialEq)]

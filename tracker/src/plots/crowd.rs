@@ -6,11 +6,10 @@
 //!
 //! The clutter map knows where such plots have been; this says that they are here now.
 
+use crate::constants::FEW;
 use crate::plots::measurement::{COORDINATES, Measurement};
 use crate::plots::radar::Radar;
 
-/// Plots of a beam width that are no crowd.
-const FEW: usize = 3;
 /// Plots that make one.
 const CROWD: usize = 8;
 
