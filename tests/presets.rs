@@ -3,13 +3,18 @@
 mod support;
 
 use std::path::Path;
+use std::process::Output;
 
 use support::{Bench, output, text_of};
 
+fn run(bench: &Bench, preset: &str, arguments: &[&str]) -> Output {
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config").join(preset);
+    output(bench.command("run", &config).args(arguments))
+}
+
 fn assert_followed(preset: &str, targets: u64) {
     let bench = Bench::new();
-    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config").join(preset);
-    let result = output(&mut bench.command("run", &config));
+    let result = run(&bench, preset, &[]);
     assert!(result.status.success(), "{}", text_of(&result));
     let report = bench.report();
     let tracking = &report.tracking;
@@ -20,6 +25,7 @@ fn assert_followed(preset: &str, targets: u64) {
         "{}",
         text_of(&result)
     );
+    assert!(!text_of(&result).contains("WARNING"), "{}", text_of(&result));
 }
 
 #[test]
@@ -30,4 +36,15 @@ fn aircraft_about_an_approach_radar() {
 #[test]
 fn ships_before_a_coastal_radar() {
     assert_followed("coastal.toml", 5);
+}
+
+/// Spiky clutter over the whole range is not the noise that the threshold is made for.
+#[test]
+fn false_alarms_far_from_what_is_set_are_said() {
+    let bench = Bench::new();
+    let spiky = ["sim.clutter.range_m=20000", "sim.clutter.shape=0.6", "sim.clutter.cnr_db=15"];
+    let result = run(&bench, "coastal.toml", &["--scans=20", "--set", spiky[0], "--set", spiky[1], "--set", spiky[2]]);
+    assert!(text_of(&result).contains("WARNING false alarms per cell"), "{}", text_of(&result));
+    let told = bench.report().processes["tracker"].false_alarms.expect("measured");
+    assert!(told.is_off() && told.measured > 10.0 * told.set, "{told:?}");
 }

@@ -233,6 +233,39 @@ pub struct LatencySummary {
     pub misses: u64,
 }
 
+/// Probability of a false alarm in a cell.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
+#[type_name("radar/FalseAlarms/1")]
+#[repr(C)]
+pub struct FalseAlarms {
+    /// As set; 0 where unknown.
+    pub set: f32,
+    /// As measured over the last turns.
+    pub measured: f32,
+}
+
+impl FalseAlarms {
+    /// Measured over set above which, or under whose inverse, the noise is not what the detector is made for.
+    const FAR: f32 = 3.0;
+
+    /// Both rates, where they are known.
+    pub fn known(self) -> Option<Self> {
+        (self.set > 0.0).then_some(self)
+    }
+
+    /// Whether the measured rate is far from the set one.
+    pub fn is_off(self) -> bool {
+        self.set > 0.0 && !(self.set / Self::FAR..=self.set * Self::FAR).contains(&self.measured)
+    }
+
+    /// A warning, if there is reason for one.
+    pub fn warning(self) -> Option<String> {
+        let Self { set, measured } = self;
+        self.is_off()
+            .then(|| format!("false alarms per cell {measured:.1e}, set {set:.0e}: not the noise that CFAR expects"))
+    }
+}
+
 /// State of one process.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/Health/3")]
@@ -291,8 +324,10 @@ pub struct Health {
     pub refused: u32,
     /// Resident memory that no other process shares, KiB.
     pub private_kib: u32,
+    /// False alarms of the plots that come in, as far as tracks do not explain them; only the tracker fills it.
+    pub false_alarms: FalseAlarms,
     /// Always 0: no undefined bytes.
-    pub reserved: [u32; 11],
+    pub reserved: [u32; 9],
 }
 
 const _: () = assert!(size_of::<Health>() == 2112 && align_of::<Health>() == 64);

@@ -4,7 +4,7 @@
 //! are not there) is said once, shown in status and report, and the process goes on without.
 
 use rustix::mm::{MlockAllFlags, mlockall};
-use rustix::thread::{CpuSet, sched_setaffinity};
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use thread_priority::unix::{
     RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id,
 };
@@ -45,7 +45,11 @@ pub fn apply(settings: &StageRealtime) -> u32 {
 fn pin(cpus: &[usize]) -> Result<(), String> {
     let mut set = CpuSet::new();
     cpus.iter().filter(|&&cpu| cpu < CpuSet::MAX_CPU).for_each(|&cpu| set.set(cpu));
-    sched_setaffinity(None, &set).map_err(|error| format!("processors {cpus:?}: {error}"))
+    sched_setaffinity(None, &set).map_err(|error| format!("processors {cpus:?}: {error}"))?;
+    // Of several processors the system takes those that are there, and says nothing of the others.
+    let taken = sched_getaffinity(None).map_err(|error| error.to_string())?;
+    let missing: Vec<_> = cpus.iter().filter(|&&cpu| cpu >= CpuSet::MAX_CPU || !taken.is_set(cpu)).collect();
+    if missing.is_empty() { Ok(()) } else { Err(format!("this machine has no processors {missing:?} for it")) }
 }
 
 fn run_first(priority: u8) -> Result<(), String> {
@@ -71,10 +75,11 @@ mod tests {
     fn what_cannot_be_had_is_refused_and_no_more() {
         // In a thread of its own: affinity is a thread's.
         let refused = std::thread::spawn(|| {
-            let settings = StageRealtime { cpus: vec![1000], ..StageRealtime::default() };
-            (apply(&settings), apply(&StageRealtime { cpus: vec![0], ..StageRealtime::default() }))
+            let on = |cpus| apply(&StageRealtime { cpus, ..StageRealtime::default() });
+            [on(vec![1000]), on(vec![0, 1000]), on(vec![0])]
         });
-        assert_eq!(refused.join().expect("no panic"), (RealtimeSetting::Cpus.bit(), 0));
+        let cpus = RealtimeSetting::Cpus.bit();
+        assert_eq!(refused.join().expect("no panic"), [cpus, cpus, 0]);
         assert_eq!(
             RealtimeSetting::names(RealtimeSetting::Cpus.bit() | RealtimeSetting::LockMemory.bit()),
             ["cpus", "lock_memory"]

@@ -251,6 +251,13 @@ class ObserverLoss(ctypes.Structure):
     ]  # 72 bytes
 
 
+class FalseAlarms(ctypes.Structure):
+    _fields_ = [
+        ("set", ctypes.c_float),
+        ("measured", ctypes.c_float),
+    ]  # 8 bytes
+
+
 class Health(ctypes.Structure):
     _fields_ = [
         ("process", ctypes.c_char * 32),
@@ -279,7 +286,8 @@ class Health(ctypes.Structure):
         ("slow_steps", ctypes.c_uint32),
         ("refused", ctypes.c_uint32),
         ("private_kib", ctypes.c_uint32),
-        ("reserved", ctypes.c_uint32 * 11),
+        ("false_alarms", FalseAlarms),
+        ("reserved", ctypes.c_uint32 * 9),
     ]  # 2112 bytes
 
 

@@ -110,6 +110,7 @@ impl Processes {
                 silences: lives.silences_before + u64::from(lives.now.silences),
                 slow_steps: lives.slow_steps_before + u64::from(lives.now.slow_steps),
                 refused: RealtimeSetting::names(lives.now.refused).into_iter().map(String::from).collect(),
+                false_alarms: lives.now.false_alarms.known(),
             }
         };
         self.by_name.iter().map(|(name, lives)| (name.clone(), used(lives))).collect()

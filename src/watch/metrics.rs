@@ -103,7 +103,7 @@ fn answer(mut stream: TcpStream, page: &str) -> std::io::Result<()> {
 /// One figure of a process: its name, type, meaning and value.
 type Figure = (&'static str, &'static str, &'static str, fn(&Health) -> f64);
 
-const FIGURES: [Figure; 15] = [
+const FIGURES: [Figure; 17] = [
     ("radar_up", "gauge", "1 while the last health report is younger than 10 s and not of the end", |health| {
         let age_s = monotonic_ns().saturating_sub(health.heartbeat_ns) as f64 / NS_PER_S;
         f64::from(health.ended == 0 && age_s < SILENT_S)
@@ -135,6 +135,12 @@ const FIGURES: [Figure; 15] = [
     ("radar_realtime_settings_refused", "gauge", "Real-time settings that the system has refused", |health| {
         RealtimeSetting::names(health.refused).len() as f64
     }),
+    ("radar_false_alarm_probability", "gauge", "False alarms per cell, measured; 0 while unknown", |health| {
+        f64::from(health.false_alarms.measured)
+    }),
+    ("radar_false_alarm_probability_set", "gauge", "False alarms per cell, as set; 0 while unknown", |health| {
+        f64::from(health.false_alarms.set)
+    }),
 ];
 
 /// Whether a figure says something of a process: only a tracker has tracks, only who makes or takes plots has those.
@@ -142,7 +148,10 @@ fn applies(figure: &str, process: &str) -> bool {
     let is = |names: &[&str]| names.contains(&process);
     match figure {
         "radar_plots" => is(&[plot_extractor::process::NAME, tracker::process::NAME]),
-        "radar_tracks" | "radar_tracks_confirmed" => is(&[tracker::process::NAME]),
+        "radar_tracks"
+        | "radar_tracks_confirmed"
+        | "radar_false_alarm_probability"
+        | "radar_false_alarm_probability_set" => is(&[tracker::process::NAME]),
         "radar_restarts_total" => is(&[LAUNCHER]),
         _ => true,
     }

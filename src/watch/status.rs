@@ -112,6 +112,8 @@ fn process_json(health: &Health, cpu_share: f64) -> Value {
         "silences": health.silences,
         "slow_steps": health.slow_steps,
         "refused": RealtimeSetting::names(health.refused),
+        "false_alarms": health.false_alarms.known(),
+        "false_alarms_off": health.false_alarms.is_off(),
     })
 }
 

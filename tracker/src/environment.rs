@@ -10,6 +10,7 @@ use crate::association::clutter_map::{ClutterMap, OwnPlots};
 use crate::association::joint::Claimant;
 use crate::association::{FalsePlots, Surroundings};
 use crate::filter::{Filter, Machine, family};
+use crate::plots::false_alarms::FalseAlarmCount;
 use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
 use crate::tracks::amplitude::Amplitude;
@@ -38,6 +39,7 @@ pub(crate) struct Environment {
     pub(crate) limits: PairLimits,
     pub(crate) machine: Machine,
     pub(crate) clutter: ClutterMap,
+    pub(crate) false_alarms: FalseAlarmCount,
 }
 
 impl Environment {
@@ -68,6 +70,7 @@ impl Environment {
             period_s: header.scan_period_s,
             machine,
             clutter: ClutterMap::new(radar, detector, base, config.clutter_map_scans),
+            false_alarms: FalseAlarmCount::default(),
         }
     }
 

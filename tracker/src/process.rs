@@ -75,6 +75,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         if ended || reporter.is_due() {
             reporter.health.set_intake(Topic::Plots, plots.intake());
             reporter.health.set_rejected(&rejected);
+            reporter.health.false_alarms = tracker.false_alarms();
             reporter.publish()?;
         }
         // Asked to stop, it still works off what is sent until the last plots; a source that nobody can ask to stop is not

@@ -17,8 +17,8 @@ mod forecast;
 mod updates;
 
 use common::config::{ConfigError, TrackerConfig};
-use common::health::{Reject, Rejected};
-use common::message::END_OF_STREAM;
+use common::health::{FalseAlarms, Reject, Rejected};
+use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::plots::{Plot, PlotsHeader};
 use common::tracks::{TERMINATED, Track};
 
@@ -131,6 +131,7 @@ impl Tracker {
             _ => Environment::new(header, &self.config, self.machine),
         };
         environment.turn_in(header.scan_period_s, &self.config);
+        environment.false_alarms.test(header, environment.radar.dimensions());
         for (index, plot) in plots.iter().enumerate() {
             if let Err(reason) = self.store(header, index, plot) {
                 processed.rejected.count(reason);
@@ -142,6 +143,9 @@ impl Tracker {
         self.start_tracks(covered_rad, &mut environment, tracks);
         self.plots.drop_before(covered_rad);
         self.free_ended();
+        if header.has(END_OF_SCAN) {
+            environment.false_alarms.end_turn();
+        }
         self.environment = Some(environment);
         self.counted(processed)
     }
@@ -160,6 +164,11 @@ impl Tracker {
     /// The track store.
     pub fn tracks(&self) -> &TrackStore {
         &self.tracks
+    }
+
+    /// False alarms of the radar, as far as tracks do not explain its plots.
+    pub fn false_alarms(&self) -> FalseAlarms {
+        self.environment.as_ref().map_or_else(FalseAlarms::default, |environment| environment.false_alarms.rate())
     }
 
     fn counted(&self, mut processed: Processed) -> Processed {

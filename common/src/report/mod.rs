@@ -13,6 +13,7 @@ use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
 
 use crate::config::ChainConfig;
+use crate::health::FalseAlarms;
 use crate::recording::Gap;
 
 /// Version of the layout; keys are only added within a version.
@@ -373,6 +374,9 @@ pub struct ProcessUse {
     /// Real-time wishes that the system has refused.
     #[serde(default)]
     pub refused: Vec<String>,
+    /// False alarms per cell, where the process has measured them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub false_alarms: Option<FalseAlarms>,
 }
 
 impl Report {

@@ -116,6 +116,9 @@ impl Report {
             }
             writeln!(out)?;
         }
+        for warning in self.processes.values().filter_map(|used| used.false_alarms?.warning()) {
+            writeln!(out, "WARNING {warning}")?;
+        }
         Ok(())
     }
 }
