@@ -29,19 +29,77 @@ pub struct Position {
     pub height_m: f64,
 }
 
-/// Semi-major axis of WGS-84, m.
-const SEMI_MAJOR_M: f64 = 6_378_137.0;
-/// Flattening of WGS-84.
-const FLATTENING: f64 = 1.0 / 298.257_223_563;
+/// An ellipsoid of revolution about the earth's axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ellipsoid {
+    /// Semi-major axis a, m.
+    pub semi_major_m: f64,
+    /// Flattening f.
+    pub flattening: f64,
+}
+
+impl Ellipsoid {
+    /// That of GPS, the reference of every [`Position`] here.
+    pub const WGS84: Self = Self { semi_major_m: 6_378_137.0, flattening: 1.0 / 298.257_223_563 };
+    /// That of the datum SK-42.
+    pub const KRASOVSKY: Self = Self { semi_major_m: 6_378_245.0, flattening: 1.0 / 298.3 };
+
+    /// First eccentricity, squared.
+    fn e2(&self) -> f64 {
+        self.flattening * (2.0 - self.flattening)
+    }
+
+    /// Earth-centred, earth-fixed coordinates of a place, m (F1).
+    pub fn ecef_m(&self, place: &Position) -> Vector3<f64> {
+        let (sin_b, cos_b) = place.latitude_deg.to_radians().sin_cos();
+        let (sin_l, cos_l) = place.longitude_deg.to_radians().sin_cos();
+        let n = self.semi_major_m / (1.0 - self.e2() * sin_b * sin_b).sqrt();
+        let h = place.height_m;
+        Vector3::new((n + h) * cos_b * cos_l, (n + h) * cos_b * sin_l, (n * (1.0 - self.e2()) + h) * sin_b)
+    }
+
+    /// The place of earth-centred coordinates, m: (F1) inverted by Bowring's step, repeated until nothing changes.
+    pub fn position(&self, ecef_m: &Vector3<f64>) -> Position {
+        let (a, e2) = (self.semi_major_m, self.e2());
+        let ground = ecef_m.x.hypot(ecef_m.y);
+        // tan of the reduced latitude, first of a point on the ellipsoid.
+        let ratio = 1.0 - self.flattening;
+        let mut reduced = (ecef_m.z / (ratio * ground)).atan();
+        let mut latitude = reduced;
+        for _ in 0..4 {
+            let (sin, cos) = reduced.sin_cos();
+            let up = ecef_m.z + e2 / ratio * a * sin.powi(3);
+            latitude = up.atan2(ground - e2 * a * cos.powi(3));
+            reduced = (ratio * latitude.sin()).atan2(latitude.cos());
+        }
+        let (sin_b, cos_b) = latitude.sin_cos();
+        let height_m = ground * cos_b + ecef_m.z * sin_b - a * (1.0 - e2 * sin_b * sin_b).sqrt();
+        Position { latitude_deg: latitude.to_degrees(), longitude_deg: ecef_m.y.atan2(ecef_m.x).to_degrees(), height_m }
+    }
+}
+
+/// From the earth-centred axes of one datum to those of another: shift, small rotation (position vectors turn), scale.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DatumShift {
+    /// Along X, Y, Z, m.
+    pub shift_m: [f64; 3],
+    /// About X, Y, Z, seconds of arc.
+    pub rotation_arcsec: [f64; 3],
+    /// Scale less 1, millionths.
+    pub scale_ppm: f64,
+}
+
+impl DatumShift {
+    /// Coordinates in the other datum, m.
+    pub fn apply(&self, ecef_m: &Vector3<f64>) -> Vector3<f64> {
+        let rotation = Vector3::from(self.rotation_arcsec.map(|arcsec| (arcsec / 3600.0).to_radians()));
+        Vector3::from(self.shift_m) + (ecef_m + rotation.cross(ecef_m)) * (1.0 + self.scale_ppm * 1e-6)
+    }
+}
 
 /// Earth-centred, earth-fixed coordinates of a place, m (F1).
 pub fn ecef_m(place: &Position) -> Vector3<f64> {
-    let (sin_b, cos_b) = place.latitude_deg.to_radians().sin_cos();
-    let (sin_l, cos_l) = place.longitude_deg.to_radians().sin_cos();
-    let e2 = FLATTENING * (2.0 - FLATTENING);
-    let n = SEMI_MAJOR_M / (1.0 - e2 * sin_b * sin_b).sqrt();
-    let h = place.height_m;
-    Vector3::new((n + h) * cos_b * cos_l, (n + h) * cos_b * sin_l, (n * (1.0 - e2) + h) * sin_b)
+    Ellipsoid::WGS84.ecef_m(place)
 }
 
 /// Rotation from earth-centred axes to east, north, up at a place: rows E, N, U (F2).
@@ -81,6 +139,9 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
+    const SEMI_MAJOR_M: f64 = Ellipsoid::WGS84.semi_major_m;
+    const FLATTENING: f64 = Ellipsoid::WGS84.flattening;
+
     fn place(latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Position {
         Position { latitude_deg, longitude_deg, height_m }
     }
@@ -116,6 +177,24 @@ mod tests {
         let enu = FrameChange::new(&target, &post).position_m([0.0; 3]);
         let expected = [96_589.766_988_461_53, 84_452.616_612_915_07, 8_032.399_513_560_232];
         assert_relative_eq!(Vector3::from(enu), Vector3::from(expected), epsilon = 1e-6);
+    }
+
+    #[test]
+    fn places_come_back_from_earth_centred_coordinates() {
+        for ellipsoid in [Ellipsoid::WGS84, Ellipsoid::KRASOVSKY] {
+            for (latitude_deg, longitude_deg, height_m) in [
+                (50.45, 30.52, 180.0),
+                (-33.9, -179.999, 12_000.0),
+                (89.999, 10.0, 0.0),
+                (0.0, 0.0, -50.0),
+                (45.0, 90.0, 4e5),
+            ] {
+                let back = ellipsoid.position(&ellipsoid.ecef_m(&place(latitude_deg, longitude_deg, height_m)));
+                assert_relative_eq!(back.latitude_deg, latitude_deg, epsilon = 1e-12);
+                assert_relative_eq!(back.longitude_deg, longitude_deg, epsilon = 1e-12);
+                assert_relative_eq!(back.height_m, height_m, epsilon = 2e-8);
+            }
+        }
     }
 
     #[test]
