@@ -5,8 +5,18 @@
 pub mod association;
 pub mod class;
 pub mod comparison;
+mod engine;
 pub mod gaussian;
+mod grid;
 pub mod grouping;
+pub mod local;
+pub mod measurement;
+pub mod motion;
 pub mod outliers;
 pub mod registration;
 pub mod rules;
+pub mod simulation;
+mod system;
+
+pub use engine::{Counts, Fusion, Settings, Site};
+pub use system::{CONTRIBUTORS, Contributor, SystemTrack};
