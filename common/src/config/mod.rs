@@ -24,6 +24,7 @@ mod sites;
 mod soak;
 mod supervision;
 mod tracker;
+mod turn;
 
 pub use budget::{Budget, BudgetConfig};
 pub use explain::{explained, reference};
@@ -42,6 +43,7 @@ pub use sites::{Sites, adjust, load, load_sites, parse, parse_sites};
 pub use soak::{MetricsConfig, SoakConfig};
 pub use supervision::{SupervisionConfig, WatchdogConfig};
 pub use tracker::*;
+pub use turn::TurnConfig;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Swerling;
 use super::load::{ConfigError, not_negative, positive, probability, require, within};
+use super::{Swerling, TurnConfig};
 
 /// The family of filters that follow targets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -14,6 +14,17 @@ pub enum Estimator {
     ImmUav,
     /// One Kalman filter of near-constant velocity.
     Cv,
+    /// Interacting models of known turn rates (V1), (V2).
+    ImmTurn,
+    /// Three turn models whose rates follow the target (V3).
+    AdaptiveGrid,
+    /// Three turn models that step through known rates (V4).
+    SwitchingGrid,
+}
+
+impl Estimator {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::ImmUav, Self::Cv, Self::ImmTurn, Self::AdaptiveGrid, Self::SwitchingGrid];
 }
 
 /// Which gate a track is searched in (T10).
@@ -77,11 +88,12 @@ pub enum Logic {
     MOfN,
 }
 
-/// Tracking. Numbers like (T9) refer to `docs/theory/imm-pda.md`.
+/// Tracking. Numbers like (T9) refer to `docs/theory/imm-pda.md`, (V3) to `docs/theory/turns.md`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackerConfig {
-    /// `imm-uav` (hover, near-constant velocity and manoeuvre of a drone) or `cv` (one filter of near-constant velocity).
+    /// `imm-uav` (hover, near-constant velocity and manoeuvre of a drone), `cv` (one filter of near-constant velocity), or coordinated
+    /// turns: `imm-turn` (known rates), `adaptive-grid` (three rates that follow the target), `switching-grid` (three of the known rates).
     pub estimator: Estimator,
     /// For `cv`: noise of its acceleration over a step, m/s².
     pub cv_noise_mps2: f64,
@@ -149,6 +161,8 @@ pub struct TrackerConfig {
     pub tentative_misses: u32,
     /// Scans in a row without a plot after which a confirmed track ends.
     pub confirmed_misses: u32,
+    /// `[tracker.turn]`: filters of coordinated turns.
+    pub turn: TurnConfig,
 }
 
 impl Default for TrackerConfig {
@@ -188,6 +202,7 @@ impl Default for TrackerConfig {
             confirm_scans: 5,
             tentative_misses: 3,
             confirmed_misses: 20,
+            turn: TurnConfig::default(),
         }
     }
 }
@@ -236,6 +251,7 @@ impl TrackerConfig {
         within("tracker.confirm_hits", self.confirm_hits.into(), 2..=1000)?;
         within("tracker.confirm_scans", self.confirm_scans.into(), u64::from(self.confirm_hits)..=1000)?;
         within("tracker.tentative_misses", self.tentative_misses.into(), 1..=1000)?;
-        within("tracker.confirmed_misses", self.confirmed_misses.into(), 1..=1000)
+        within("tracker.confirmed_misses", self.confirmed_misses.into(), 1..=1000)?;
+        self.turn.check()
     }
 }
