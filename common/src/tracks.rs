@@ -30,6 +30,10 @@ pub const ESTIMATOR_IMM_TURN: u16 = 3;
 pub const ESTIMATOR_ADAPTIVE_GRID: u16 = 4;
 /// [`Track::estimator`]: three turn models that step through known rates.
 pub const ESTIMATOR_SWITCHING_GRID: u16 = 5;
+/// [`Track::estimator`]: several hypotheses on the mean acceleration of each coordinate.
+pub const ESTIMATOR_MULTI_ALTERNATIVE: u16 = 6;
+/// [`Track::estimator`]: correlated acceleration by coordinate, of a bandwidth that adapts.
+pub const ESTIMATOR_ADAPTIVE_BANDWIDTH: u16 = 7;
 
 /// [`Track::model_kind`]: no model.
 pub const KIND_NONE: u16 = 0;
@@ -52,6 +56,8 @@ pub fn estimator_name(estimator: u16) -> Option<&'static str> {
         ESTIMATOR_IMM_TURN => Some("imm-turn"),
         ESTIMATOR_ADAPTIVE_GRID => Some("adaptive-grid"),
         ESTIMATOR_SWITCHING_GRID => Some("switching-grid"),
+        ESTIMATOR_MULTI_ALTERNATIVE => Some("multi-alternative"),
+        ESTIMATOR_ADAPTIVE_BANDWIDTH => Some("adaptive-bandwidth"),
         _ => None,
     }
 }

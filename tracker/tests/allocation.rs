@@ -14,7 +14,7 @@ const TARGETS: [Target; 2] = [
 ];
 
 /// Every way to associate and every family, with real messages: false plots start and end tracks, targets cross and share plots. Two targets are
-/// updated one by one, the fleet in groups. The first eight runs are for growing; the last brings the same plots again, of a radar that was restarted.
+/// updated one by one, the fleet in groups. The first twelve runs are for growing; the last brings the same plots again, of a radar that was restarted.
 #[test]
 fn a_tracker_in_steady_state_allocates_nothing() {
     let default = TrackerConfig::default;
@@ -50,7 +50,7 @@ fn nothing_is_allocated(config: &TrackerConfig, targets: &[Target]) {
     let mut tracks = Vec::new();
     let mut last_id = 0;
     let later_ns = u64::from(scans) * 1_000_000_000;
-    for _ in 0..8 {
+    for _ in 0..12 {
         for (header, plots) in &stream {
             tracker.process_plots(header, plots, &mut tracks);
             last_id = tracks.iter().map(|track| track.id).fold(last_id, u64::max);

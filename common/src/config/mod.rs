@@ -6,6 +6,7 @@
 //!
 //! Keys carry their unit; angles are in degrees here and in radians everywhere else.
 
+mod bank;
 mod budget;
 mod explain;
 mod extractor;
@@ -26,6 +27,7 @@ mod supervision;
 mod tracker;
 mod turn;
 
+pub use bank::{BandwidthConfig, BankConfig, OutputRule};
 pub use budget::{Budget, BudgetConfig};
 pub use explain::{explained, reference};
 pub use extractor::ExtractorConfig;

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, not_negative, positive, probability, require, within};
-use super::{Swerling, TurnConfig};
+use super::{BandwidthConfig, BankConfig, Swerling, TurnConfig};
 
 /// The family of filters that follow targets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -20,11 +20,23 @@ pub enum Estimator {
     AdaptiveGrid,
     /// Three turn models that step through known rates (V4).
     SwitchingGrid,
+    /// Several hypotheses on the mean acceleration of each coordinate (M1)-(M3).
+    MultiAlternative,
+    /// One filter of correlated acceleration by coordinate whose bandwidth adapts (M4).
+    AdaptiveBandwidth,
 }
 
 impl Estimator {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::ImmUav, Self::Cv, Self::ImmTurn, Self::AdaptiveGrid, Self::SwitchingGrid];
+    pub const ALL: [Self; 7] = [
+        Self::ImmUav,
+        Self::Cv,
+        Self::ImmTurn,
+        Self::AdaptiveGrid,
+        Self::SwitchingGrid,
+        Self::MultiAlternative,
+        Self::AdaptiveBandwidth,
+    ];
 }
 
 /// Which gate a track is searched in (T10).
@@ -88,12 +100,14 @@ pub enum Logic {
     MOfN,
 }
 
-/// Tracking. Numbers like (T9) refer to `docs/theory/imm-pda.md`, (V3) to `docs/theory/turns.md`.
+/// Tracking. Numbers like (T9) refer to `docs/theory/imm-pda.md`, (V3) to `docs/theory/turns.md`, (M2) to
+/// `docs/theory/acceleration.md`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackerConfig {
     /// `imm-uav` (hover, near-constant velocity and manoeuvre of a drone), `cv` (one filter of near-constant velocity), or coordinated
-    /// turns: `imm-turn` (known rates), `adaptive-grid` (three rates that follow the target), `switching-grid` (three of the known rates).
+    /// turns: `imm-turn` (known rates), `adaptive-grid` (three rates that follow the target), `switching-grid` (three of the known rates);
+    /// or correlated acceleration: `multi-alternative` (several hypotheses on its mean), `adaptive-bandwidth` (one).
     pub estimator: Estimator,
     /// For `cv`: noise of its acceleration over a step, m/s².
     pub cv_noise_mps2: f64,
@@ -163,6 +177,10 @@ pub struct TrackerConfig {
     pub confirmed_misses: u32,
     /// `[tracker.turn]`: filters of coordinated turns.
     pub turn: TurnConfig,
+    /// `[tracker.bank]`: the filter of several hypotheses on acceleration.
+    pub bank: BankConfig,
+    /// `[tracker.bandwidth]`: the filter of one hypothesis whose bandwidth adapts.
+    pub bandwidth: BandwidthConfig,
 }
 
 impl Default for TrackerConfig {
@@ -203,6 +221,8 @@ impl Default for TrackerConfig {
             tentative_misses: 3,
             confirmed_misses: 20,
             turn: TurnConfig::default(),
+            bank: BankConfig::default(),
+            bandwidth: BandwidthConfig::default(),
         }
     }
 }
@@ -252,6 +272,8 @@ impl TrackerConfig {
         within("tracker.confirm_scans", self.confirm_scans.into(), u64::from(self.confirm_hits)..=1000)?;
         within("tracker.tentative_misses", self.tentative_misses.into(), 1..=1000)?;
         within("tracker.confirmed_misses", self.confirmed_misses.into(), 1..=1000)?;
-        self.turn.check()
+        self.turn.check()?;
+        self.bank.check()?;
+        self.bandwidth.check()
     }
 }

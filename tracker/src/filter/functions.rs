@@ -145,7 +145,7 @@ impl<S: Simd> V<S> {
 
 /// Σ c_i x^(n−i) by Horner's rule.
 #[inline(always)]
-fn polynomial<S: Simd, const N: usize>(x: V<S>, coefficients: &[f64; N]) -> V<S> {
+pub(in crate::filter) fn polynomial<S: Simd, const N: usize>(x: V<S>, coefficients: &[f64; N]) -> V<S> {
     let mut sum = x.splat(coefficients[0]);
     for coefficient in &coefficients[1..] {
         sum = sum * x + x.splat(*coefficient);
