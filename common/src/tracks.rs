@@ -24,6 +24,16 @@ pub const MODELS: usize = 8;
 pub const ESTIMATOR_IMM_UAV: u16 = 1;
 /// [`Track::estimator`]: one Kalman filter of near-constant velocity.
 pub const ESTIMATOR_CV: u16 = 2;
+/// [`Track::estimator`]: interacting models of known turn rates.
+pub const ESTIMATOR_IMM_TURN: u16 = 3;
+/// [`Track::estimator`]: three turn models whose rates follow the target.
+pub const ESTIMATOR_ADAPTIVE_GRID: u16 = 4;
+/// [`Track::estimator`]: three turn models that step through known rates.
+pub const ESTIMATOR_SWITCHING_GRID: u16 = 5;
+/// [`Track::estimator`]: several hypotheses on the mean acceleration of each coordinate.
+pub const ESTIMATOR_MULTI_ALTERNATIVE: u16 = 6;
+/// [`Track::estimator`]: correlated acceleration by coordinate, of a bandwidth that adapts.
+pub const ESTIMATOR_ADAPTIVE_BANDWIDTH: u16 = 7;
 
 /// [`Track::model_kind`]: no model.
 pub const KIND_NONE: u16 = 0;
@@ -33,7 +43,7 @@ pub const KIND_HOVER: u16 = 1;
 pub const KIND_CONSTANT_VELOCITY: u16 = 2;
 /// [`Track::model_kind`]: accelerating, as a manoeuvre.
 pub const KIND_MANOEUVRE: u16 = 3;
-/// [`Track::model_kind`]: coordinated turn; its parameter is the turn rate, rad/s.
+/// [`Track::model_kind`]: coordinated turn; its parameter is the turn rate, rad/s, positive from east towards north (to port).
 pub const KIND_COORDINATED_TURN: u16 = 4;
 /// [`Track::model_kind`]: acceleration about a mean; its parameter is that mean, m/s².
 pub const KIND_MEAN_ACCELERATION: u16 = 5;
@@ -43,6 +53,11 @@ pub fn estimator_name(estimator: u16) -> Option<&'static str> {
     match estimator {
         ESTIMATOR_IMM_UAV => Some("imm-uav"),
         ESTIMATOR_CV => Some("cv"),
+        ESTIMATOR_IMM_TURN => Some("imm-turn"),
+        ESTIMATOR_ADAPTIVE_GRID => Some("adaptive-grid"),
+        ESTIMATOR_SWITCHING_GRID => Some("switching-grid"),
+        ESTIMATOR_MULTI_ALTERNATIVE => Some("multi-alternative"),
+        ESTIMATOR_ADAPTIVE_BANDWIDTH => Some("adaptive-bandwidth"),
         _ => None,
     }
 }

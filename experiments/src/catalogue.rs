@@ -1,6 +1,6 @@
 //! The experiments that there are.
 
-use crate::{Options, Progress, Results, accuracy, cfar, crossing, initiation, plot_accuracy, track_loss};
+use crate::{Options, Progress, Results, accuracy, cfar, crossing, initiation, plot_accuracy, track_loss, vsmm};
 
 /// One experiment. Its results depend on the options alone, and not on [`Options::threads`].
 #[derive(Debug, Clone, Copy)]
@@ -40,6 +40,11 @@ pub const EXPERIMENTS: &[Experiment] = &[
         name: "crossing",
         about: "two drones near each other: shares of runs with a track lost or exchanged",
         run: crossing::run,
+    },
+    Experiment {
+        name: "vsmm",
+        about: "turn filters of fixed, adaptive and switching rates on two published examples",
+        run: vsmm::run,
     },
 ];
 

@@ -30,6 +30,7 @@ pub mod table;
 pub mod track_loss;
 pub mod trajectory;
 pub mod turning;
+pub mod vsmm;
 pub mod world;
 
 pub use options::Options;

@@ -75,7 +75,7 @@ impl Tracker {
     /// [`ConfigError`] if a value is out of range.
     pub fn new(config: &TrackerConfig, first_id: u64) -> Result<Self, ConfigError> {
         config.check()?;
-        let (layout, rules) = (layout_of(config.estimator), Rules::new(config));
+        let (layout, rules) = (layout_of(config), Rules::new(config));
         Ok(Self {
             config: config.clone(),
             rules,

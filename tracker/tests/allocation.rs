@@ -3,7 +3,7 @@
 mod harness;
 
 use allocation_counter::measure;
-use common::config::{Association, Clutter, GateRule, Logic, TrackerConfig};
+use common::config::{Association, Clutter, Estimator, GateRule, Logic, TrackerConfig};
 use harness::{FLEET, Target, Turning, messages};
 use nalgebra::Vector3;
 use tracker::Tracker;
@@ -13,8 +13,8 @@ const TARGETS: [Target; 2] = [
     |time_s| (Vector3::new(-2000.0, 900.0 + 8.0 * time_s, 200.0), Vector3::new(0.0, 8.0, 0.0)),
 ];
 
-/// Every way to associate, with real messages: false plots start and end tracks, targets cross and share plots. Two targets are
-/// updated one by one, the fleet in groups. The first eight runs are for growing; the last brings the same plots again, of a radar that was restarted.
+/// Every way to associate and every family, with real messages: false plots start and end tracks, targets cross and share plots. Two targets are
+/// updated one by one, the fleet in groups. The first twelve runs are for growing; the last brings the same plots again, of a radar that was restarted.
 #[test]
 fn a_tracker_in_steady_state_allocates_nothing() {
     let default = TrackerConfig::default;
@@ -28,7 +28,14 @@ fn a_tracker_in_steady_state_allocates_nothing() {
         TrackerConfig { association: Association::Mht, ..default() },
         TrackerConfig { logic: Logic::MOfN, ..default() },
     ];
-    for config in variants {
+    let families = Estimator::ALL.into_iter().flat_map(|estimator| {
+        [Association::PdaStatistics, Association::Mht].map(|association| TrackerConfig {
+            estimator,
+            association,
+            ..default()
+        })
+    });
+    for config in variants.into_iter().chain(families.filter(|config| config.estimator != Estimator::ImmUav)) {
         for targets in [&TARGETS[..], &FLEET] {
             nothing_is_allocated(&config, targets);
         }
@@ -43,7 +50,7 @@ fn nothing_is_allocated(config: &TrackerConfig, targets: &[Target]) {
     let mut tracks = Vec::new();
     let mut last_id = 0;
     let later_ns = u64::from(scans) * 1_000_000_000;
-    for _ in 0..8 {
+    for _ in 0..12 {
         for (header, plots) in &stream {
             tracker.process_plots(header, plots, &mut tracks);
             last_id = tracks.iter().map(|track| track.id).fold(last_id, u64::max);
@@ -66,7 +73,7 @@ fn nothing_is_allocated(config: &TrackerConfig, targets: &[Target]) {
             }
         }
     });
-    let what = format!("{:?}, {} targets", config.association, targets.len());
+    let what = format!("{:?}, {:?}, {} targets", config.estimator, config.association, targets.len());
     let least = 0.8 * targets.len() as f64 * stream.len() as f64;
     assert!(f64::from(alive) >= least && started > 2, "{what}: {alive} {started}");
     assert_eq!(counted.count_total, 0, "{what}: {counted:?} in {} messages", stream.len());

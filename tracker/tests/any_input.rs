@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use common::config::{Association, Logic, TrackerConfig};
+use common::config::{Association, Estimator, Logic, TrackerConfig};
 use common::message::END_OF_STREAM;
 use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot, PlotsHeader};
 use common::tracks::{STATE, Track, pack};
@@ -78,8 +78,10 @@ fn messages(limits: Limits) -> impl Strategy<Value = Vec<Message>> {
 fn config() -> impl Strategy<Value = TrackerConfig> {
     let associations =
         [Association::PdaStatistics, Association::Pda, Association::Nearest, Association::Strongest, Association::Mht];
-    (prop::sample::select(associations.to_vec()), any::<bool>(), any::<bool>()).prop_map(
-        |(association, joint, counts)| TrackerConfig {
+    let estimators = prop::sample::select(Estimator::ALL.to_vec());
+    (estimators, prop::sample::select(associations.to_vec()), any::<bool>(), any::<bool>()).prop_map(
+        |(estimator, association, joint, counts)| TrackerConfig {
+            estimator,
             association,
             joint_association: joint,
             logic: if counts { Logic::MOfN } else { Logic::Existence },

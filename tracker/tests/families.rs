@@ -1,16 +1,18 @@
 //! Every family of filters under every association rule: the seam holds for whole trackers.
 
-#[expect(dead_code, reason = "fleets are of other tests")]
 mod harness;
 
 use common::config::{Association, Clutter, Estimator, GateRule, Logic, TrackerConfig};
 use common::tracks::{
-    ESTIMATOR_CV, ESTIMATOR_IMM_UAV, KIND_CONSTANT_VELOCITY, KIND_HOVER, KIND_MANOEUVRE, KIND_NONE, Track,
-    estimator_name, kind_name, pack,
+    ESTIMATOR_ADAPTIVE_BANDWIDTH, ESTIMATOR_ADAPTIVE_GRID, ESTIMATOR_CV, ESTIMATOR_IMM_TURN, ESTIMATOR_IMM_UAV,
+    ESTIMATOR_MULTI_ALTERNATIVE, ESTIMATOR_SWITCHING_GRID, KIND_CONSTANT_VELOCITY, KIND_COORDINATED_TURN, KIND_HOVER,
+    KIND_MANOEUVRE, KIND_MEAN_ACCELERATION, KIND_NONE, Track, estimator_name, kind_name, pack,
 };
-use harness::{EPOCH_NS, Target, Turning, messages};
+use harness::{EPOCH_NS, FLEET, Target, Turning, messages};
 use nalgebra::Vector3;
+use pulp::Arch;
 use tracker::Tracker;
+use tracker::filter::Machine;
 
 /// Straight flights, far apart.
 const STRAIGHT: [Target; 3] = [
@@ -21,7 +23,17 @@ const STRAIGHT: [Target; 3] = [
 
 /// Tracks of the last scan.
 fn last_scan(config: &TrackerConfig, radar: Turning, targets: &[Target], scans: u32) -> Vec<Track> {
-    let mut tracker = Tracker::new(config, 1).expect("valid");
+    last_scan_on(Machine::default(), config, radar, targets, scans)
+}
+
+fn last_scan_on(
+    machine: Machine,
+    config: &TrackerConfig,
+    radar: Turning,
+    targets: &[Target],
+    scans: u32,
+) -> Vec<Track> {
+    let mut tracker = Tracker::new(config, 1).expect("valid").on(machine);
     let (mut tracks, mut last) = (Vec::new(), Vec::new());
     for (header, plots) in &messages(radar, targets, scans) {
         tracker.process_plots(header, plots, &mut tracks);
@@ -50,7 +62,7 @@ fn assert_followed(tracks: &[Track], targets: &[Target], axes: usize, what: &str
 #[test]
 fn every_family_follows_by_every_rule() {
     let default = TrackerConfig::default;
-    for estimator in [Estimator::ImmUav, Estimator::Cv] {
+    for estimator in Estimator::ALL {
         for association in [
             Association::PdaStatistics,
             Association::Pda,
@@ -73,6 +85,24 @@ fn every_family_follows_by_every_rule() {
     }
 }
 
+/// Forty targets at once, by the machine's vectors and by vectors of one: the same tracks up to rounding.
+#[test]
+fn vectors_of_every_family_do_what_one_track_does() {
+    for estimator in Estimator::ALL {
+        let config = TrackerConfig { estimator, ..TrackerConfig::default() };
+        let [vectors, scalars] = [Machine::default(), Machine::on(Arch::Scalar)]
+            .map(|machine| last_scan_on(machine, &config, Turning::default(), &FLEET, 30));
+        assert_eq!(vectors.len(), scalars.len(), "{estimator:?}");
+        assert!(vectors.len() > 20, "{estimator:?}: {}", vectors.len());
+        for (a, b) in vectors.iter().zip(&scalars) {
+            let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + b.abs());
+            assert_eq!((a.id, a.state_code), (b.id, b.state_code), "{estimator:?}");
+            assert!(a.state.iter().zip(&b.state).all(|(a, b)| close(*a, *b)), "{estimator:?}: {a:?} {b:?}");
+            assert!(a.model_probability.iter().zip(&b.model_probability).all(|(a, b)| close(*a, *b)), "{estimator:?}");
+        }
+    }
+}
+
 /// A radar that measures range and azimuth only: targets in the plane.
 #[test]
 fn every_family_follows_in_the_plane() {
@@ -80,7 +110,7 @@ fn every_family_follows_in_the_plane() {
         |t| (Vector3::new(900.0 - 6.0 * t, 1500.0, 0.0), Vector3::new(-6.0, 0.0, 0.0)),
         |t| (Vector3::new(-2000.0, 900.0 + 8.0 * t, 0.0), Vector3::new(0.0, 8.0, 0.0)),
     ];
-    for estimator in [Estimator::ImmUav, Estimator::Cv] {
+    for estimator in Estimator::ALL {
         let config = TrackerConfig { estimator, logic: Logic::MOfN, ..TrackerConfig::default() };
         let radar = Turning { full: false, false_plots: 3, ..Turning::default() };
         let tracks = last_scan(&config, radar, &plane, 40);
@@ -90,12 +120,45 @@ fn every_family_follows_in_the_plane() {
     }
 }
 
+/// A circle in the plane at 2 °/s to port and another to starboard: the turn filters find the rates.
+#[test]
+fn turn_filters_find_the_rate() {
+    const RATE: f64 = 0.034_906_585;
+    let circles: [Target; 2] = [
+        |t| {
+            let (sine, cosine) = (RATE * t).sin_cos();
+            (Vector3::new(3000.0 + 400.0 * cosine, 400.0 * sine, 0.0), 14.0 * Vector3::new(-sine, cosine, 0.0))
+        },
+        |t| {
+            let (sine, cosine) = (RATE * t).sin_cos();
+            (Vector3::new(-3000.0 + 400.0 * cosine, -400.0 * sine, 0.0), 14.0 * Vector3::new(-sine, -cosine, 0.0))
+        },
+    ];
+    for estimator in [Estimator::ImmTurn, Estimator::AdaptiveGrid, Estimator::SwitchingGrid] {
+        let config = TrackerConfig { estimator, logic: Logic::MOfN, ..TrackerConfig::default() };
+        let radar = Turning { full: false, ..Turning::default() };
+        let tracks = last_scan(&config, radar, &circles, 90);
+        assert_followed(&tracks, &circles, 2, &format!("{estimator:?}"));
+        for track in tracks.iter().filter(|track| track.is_confirmed()) {
+            let models = track.model_probability.iter().zip(&track.model_parameter);
+            let rate: f64 = models.map(|(probability, rate)| probability * rate).sum();
+            let turn = if track.state[0] > 0.0 { RATE } else { -RATE };
+            assert!((rate - turn).abs() < 0.5 * RATE, "{estimator:?}: {rate} of {turn} rad/s");
+        }
+    }
+}
+
 /// What messages say of the filter.
 #[test]
 fn messages_name_the_filter_and_its_models() {
     for (estimator, code, known, kinds) in [
         (Estimator::ImmUav, ESTIMATOR_IMM_UAV, 9, &[KIND_HOVER, KIND_CONSTANT_VELOCITY, KIND_MANOEUVRE][..]),
         (Estimator::Cv, ESTIMATOR_CV, 6, &[KIND_CONSTANT_VELOCITY][..]),
+        (Estimator::ImmTurn, ESTIMATOR_IMM_TURN, 6, &[KIND_COORDINATED_TURN; 5][..]),
+        (Estimator::AdaptiveGrid, ESTIMATOR_ADAPTIVE_GRID, 6, &[KIND_COORDINATED_TURN; 3][..]),
+        (Estimator::SwitchingGrid, ESTIMATOR_SWITCHING_GRID, 6, &[KIND_COORDINATED_TURN; 3][..]),
+        (Estimator::MultiAlternative, ESTIMATOR_MULTI_ALTERNATIVE, 9, &[KIND_MEAN_ACCELERATION; 5][..]),
+        (Estimator::AdaptiveBandwidth, ESTIMATOR_ADAPTIVE_BANDWIDTH, 9, &[KIND_MANOEUVRE][..]),
     ] {
         let config = TrackerConfig { estimator, ..TrackerConfig::default() };
         let tracks = last_scan(&config, Turning::default(), &STRAIGHT, 30);
@@ -113,7 +176,13 @@ fn messages_name_the_filter_and_its_models() {
             if known == 6 {
                 let beyond = |i: usize| track.state[i] == 0.0 && track.covariance[pack(i, i)] == 0.0;
                 assert!([2, 5, 8].into_iter().all(beyond));
-                assert_eq!((track.model_state, track.model_covariance), (track.state, track.covariance));
+                if kinds.len() == 1 {
+                    assert_eq!((track.model_state, track.model_covariance), (track.state, track.covariance));
+                }
+            }
+            if kinds[0] == KIND_COORDINATED_TURN {
+                let rates = &track.model_parameter[..kinds.len()];
+                assert!(rates.windows(2).all(|pair| pair[0] < pair[1]) && rates[0] < 0.0, "{rates:?}");
             }
         }
         let name = estimator_name(code).expect("a name");

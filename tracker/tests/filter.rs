@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use common::amplitude::{Detector, FalsePower};
-use common::config::{Association, GateRule, Swerling, TrackerConfig};
+use common::config::{Association, Estimator, GateRule, Swerling, TrackerConfig};
 use common::geometry::Polar;
 use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot};
 use common::random::{Purpose, generator};
@@ -14,10 +14,8 @@ use tracker::association::hypotheses::{Hypotheses, Means, Room};
 use tracker::association::one_track::OneTrack;
 use tracker::association::scan::{Choice, Member};
 use tracker::association::{FalsePlots, Rules, Surroundings};
-use tracker::filter::cv::ConstantVelocity;
 use tracker::filter::gaussian::at;
-use tracker::filter::uav::Uav;
-use tracker::filter::{Filter, Machine, Mixture, TwoPlots};
+use tracker::filter::{Filter, Machine, Mixture, TwoPlots, family};
 use tracker::plots::measurement::{COORDINATES, LineOfSight, Measurement, position_covariance};
 use tracker::plots::radar::Radar;
 
@@ -40,10 +38,21 @@ fn plot(place: Polar, range_rate_mps: f64, sigma_scale: f32, statistic: f32, fla
 }
 
 /// One filter of each family, in two or three dimensions.
-fn families(full: bool) -> [Box<dyn Filter>; 2] {
-    let axes = if full { 3 } else { 2 };
-    let uav = Uav { noise: [1.0, 1.0, 7.0], jerk_share: 1.0, axes, stay: 0.9, start_probability: [0.33, 0.34, 0.33] };
-    [Box::new(uav), Box::new(ConstantVelocity::new(3.0, axes))]
+fn families(full: bool) -> Vec<Box<dyn Filter>> {
+    let measured = [true, true, full, full];
+    let radar =
+        Radar { variance: [1.0; COORDINATES], cell: [1.0; COORDINATES], measured, range_rate_interval_mps: 0.0 };
+    let config = TrackerConfig {
+        hover_noise_mps: 1.0,
+        velocity_noise_mps2: 1.0,
+        manoeuvre_noise_mps3: 7.0,
+        stay_probability: 0.9,
+        ..TrackerConfig::default()
+    };
+    Estimator::ALL
+        .map(|estimator| family(&TrackerConfig { estimator, ..config.clone() }, &radar, 1.0))
+        .into_iter()
+        .collect()
 }
 
 /// Positive definite on the states that each component knows, up to rounding: after a mode that is certain to be at rest, the noise

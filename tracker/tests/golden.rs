@@ -3,13 +3,15 @@
 //! The files come from an independent reference program (see `golden/README.md`). Their frame has x north
 //! and y east; here x is east. Their power statistic is normalised to known noise.
 
+mod golden_files;
+
 use std::cell::Cell;
-use std::path::{Path, PathBuf};
 
 use common::amplitude::{Detector, FalsePower, TargetStatistics};
 use common::config::{Association, Clutter, GateRule, Swerling};
 use common::geometry::Polar;
 use common::tracks;
+use golden_files::{array, golden_files, number, numbers};
 use nalgebra::{SMatrix, SVector};
 use serde_json::Value;
 use tracker::association::gate::{Gate, own_probability};
@@ -28,7 +30,7 @@ const AXIS: [usize; 3] = [1, 0, 2];
 
 #[test]
 fn every_case_agrees() {
-    let files = golden_files();
+    let files = golden_files("imm_pda");
     assert!(!files.is_empty(), "no golden case found");
     let mut refused = Vec::new();
     for file in files {
@@ -66,19 +68,6 @@ fn refusal(case: &Value) -> Option<String> {
     } else {
         None
     }
-}
-
-fn golden_files() -> Vec<PathBuf> {
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
-    let parent = std::env::var_os("GOLDEN_DIR").map_or(own, PathBuf::from);
-    let folder = if parent.join("imm_pda").is_dir() { parent.join("imm_pda") } else { parent };
-    let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let mut files: Vec<PathBuf> = entries
-        .map(|entry| entry.expect("readable folder").path())
-        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
-        .collect();
-    files.sort();
-    files
 }
 
 struct Check {
@@ -413,16 +402,4 @@ fn swerling(value: &Value) -> Swerling {
         Some(3) => Swerling::Three,
         other => panic!("unknown Swerling case {other:?}"),
     }
-}
-
-fn array(value: &Value) -> &[Value] {
-    value.as_array().unwrap_or_else(|| panic!("an array, not {value}"))
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("a number, not {value}"))
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    array(value).iter().map(number).collect()
 }

@@ -6,6 +6,7 @@
 //!
 //! Keys carry their unit; angles are in degrees here and in radians everywhere else.
 
+mod bank;
 mod budget;
 mod explain;
 mod extractor;
@@ -24,7 +25,9 @@ mod sites;
 mod soak;
 mod supervision;
 mod tracker;
+mod turn;
 
+pub use bank::{BandwidthConfig, BankConfig, OutputRule};
 pub use budget::{Budget, BudgetConfig};
 pub use explain::{explained, reference};
 pub use extractor::ExtractorConfig;
@@ -42,6 +45,7 @@ pub use sites::{Sites, adjust, load, load_sites, parse, parse_sites};
 pub use soak::{MetricsConfig, SoakConfig};
 pub use supervision::{SupervisionConfig, WatchdogConfig};
 pub use tracker::*;
+pub use turn::TurnConfig;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Swerling;
 use super::load::{ConfigError, not_negative, positive, probability, require, within};
+use super::{BandwidthConfig, BankConfig, Swerling, TurnConfig};
 
 /// The family of filters that follow targets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -14,6 +14,29 @@ pub enum Estimator {
     ImmUav,
     /// One Kalman filter of near-constant velocity.
     Cv,
+    /// Interacting models of known turn rates (V1), (V2).
+    ImmTurn,
+    /// Three turn models whose rates follow the target (V3).
+    AdaptiveGrid,
+    /// Three turn models that step through known rates (V4).
+    SwitchingGrid,
+    /// Several hypotheses on the mean acceleration of each coordinate (M1)-(M3).
+    MultiAlternative,
+    /// One filter of correlated acceleration by coordinate whose bandwidth adapts (M4).
+    AdaptiveBandwidth,
+}
+
+impl Estimator {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::ImmUav,
+        Self::Cv,
+        Self::ImmTurn,
+        Self::AdaptiveGrid,
+        Self::SwitchingGrid,
+        Self::MultiAlternative,
+        Self::AdaptiveBandwidth,
+    ];
 }
 
 /// Which gate a track is searched in (T10).
@@ -77,11 +100,14 @@ pub enum Logic {
     MOfN,
 }
 
-/// Tracking. Numbers like (T9) refer to `docs/theory/imm-pda.md`.
+/// Tracking. Numbers like (T9) refer to `docs/theory/imm-pda.md`, (V3) to `docs/theory/turns.md`, (M2) to
+/// `docs/theory/acceleration.md`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackerConfig {
-    /// `imm-uav` (hover, near-constant velocity and manoeuvre of a drone) or `cv` (one filter of near-constant velocity).
+    /// `imm-uav` (hover, near-constant velocity and manoeuvre of a drone), `cv` (one filter of near-constant velocity), or coordinated
+    /// turns: `imm-turn` (known rates), `adaptive-grid` (three rates that follow the target), `switching-grid` (three of the known rates);
+    /// or correlated acceleration: `multi-alternative` (several hypotheses on its mean), `adaptive-bandwidth` (one).
     pub estimator: Estimator,
     /// For `cv`: noise of its acceleration over a step, m/s².
     pub cv_noise_mps2: f64,
@@ -149,6 +175,12 @@ pub struct TrackerConfig {
     pub tentative_misses: u32,
     /// Scans in a row without a plot after which a confirmed track ends.
     pub confirmed_misses: u32,
+    /// `[tracker.turn]`: filters of coordinated turns.
+    pub turn: TurnConfig,
+    /// `[tracker.bank]`: the filter of several hypotheses on acceleration.
+    pub bank: BankConfig,
+    /// `[tracker.bandwidth]`: the filter of one hypothesis whose bandwidth adapts.
+    pub bandwidth: BandwidthConfig,
 }
 
 impl Default for TrackerConfig {
@@ -188,6 +220,9 @@ impl Default for TrackerConfig {
             confirm_scans: 5,
             tentative_misses: 3,
             confirmed_misses: 20,
+            turn: TurnConfig::default(),
+            bank: BankConfig::default(),
+            bandwidth: BandwidthConfig::default(),
         }
     }
 }
@@ -236,6 +271,9 @@ impl TrackerConfig {
         within("tracker.confirm_hits", self.confirm_hits.into(), 2..=1000)?;
         within("tracker.confirm_scans", self.confirm_scans.into(), u64::from(self.confirm_hits)..=1000)?;
         within("tracker.tentative_misses", self.tentative_misses.into(), 1..=1000)?;
-        within("tracker.confirmed_misses", self.confirmed_misses.into(), 1..=1000)
+        within("tracker.confirmed_misses", self.confirmed_misses.into(), 1..=1000)?;
+        self.turn.check()?;
+        self.bank.check()?;
+        self.bandwidth.check()
     }
 }

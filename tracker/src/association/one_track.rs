@@ -3,7 +3,7 @@
 use crate::association::gate::Gate;
 use crate::association::scan::{Member, Outcome, Scan};
 use crate::association::{FalsePlots, Rules};
-use crate::filter::{Expectation, Filter, Group, Machine, Mixture, Row, TwoPlots, expect};
+use crate::filter::{Evidence, Expectation, Filter, Group, Machine, Mixture, Prior, Row, TwoPlots, expect};
 use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
 
@@ -15,6 +15,7 @@ pub struct OneTrack {
     state: Vec<f64>,
     group: Group,
     expected: Vec<Expectation>,
+    evidence: Evidence,
     /// Candidates and weights of the last update, in the first lane.
     pub scan: Scan,
 }
@@ -28,6 +29,7 @@ impl OneTrack {
             state: vec![0.0; layout.words()],
             group: Group::new(&layout),
             expected: Vec::new(),
+            evidence: Evidence::default(),
             scan: Scan::new(&layout),
             filter,
         }
@@ -84,5 +86,21 @@ impl OneTrack {
         self.scan.update(self.filter.as_ref(), self.machine, [member].into_iter(), radar, rules);
         self.scan.update.posterior.store(0, &mut self.state);
         self.scan.outcomes[0]
+    }
+
+    /// Updates a prediction by a plot that is the track's for certain, with R at the plot.
+    pub fn take(&mut self, plot: &Measurement, radar: &Radar) {
+        let Self { filter, machine, state, group, expected, evidence, scan } = self;
+        group.load(0, state);
+        expect(*machine, 1, radar, 1.0, group, expected);
+        let at = plot.line_of_sight();
+        for expected in &mut *expected {
+            expected.place_errors(0, &at);
+        }
+        evidence.clear(expected.len());
+        evidence.add(0, plot, 0.0, 1.0);
+        evidence.decide();
+        filter.update(*machine, 1, Prior { prediction: group, expected, inflation: 0.0 }, evidence, &mut scan.update);
+        scan.update.posterior.store(0, state);
     }
 }

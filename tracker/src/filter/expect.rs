@@ -16,7 +16,7 @@ use super::gaussian::at;
 use super::group::{Component, Group, for_known};
 use super::lanes::{Lanes, Row, V, dot};
 use super::machine::Machine;
-use crate::plots::measurement::{COORDINATES, NEAREST_M};
+use crate::plots::measurement::{COORDINATES, LineOfSight, NEAREST_M};
 use crate::plots::radar::Radar;
 
 /// Ranges below this are taken for it where motion across the line of sight is turned into an angle, m.
@@ -47,6 +47,22 @@ pub struct Expectation {
     pub square: [Row; 2],
     /// c = P* H₄ᵀ, of the states that the component knows.
     pub cross: [Row; STATE],
+}
+
+impl Expectation {
+    /// Evaluates R in `lane` at a place instead of the prediction, as for (T6).
+    pub fn place_errors(&mut self, lane: usize, at: &LineOfSight) {
+        let across = at.range_m * at.cos_elevation;
+        for i in 0..3 {
+            self.radial[i].0[lane] = at.radial[i];
+            self.along_elevation[i].0[lane] = at.along_elevation[i];
+        }
+        for i in 0..2 {
+            self.along_azimuth[i].0[lane] = at.along_azimuth[i];
+        }
+        self.square[0].0[lane] = across * across;
+        self.square[1].0[lane] = at.range_m * at.range_m;
+    }
 }
 
 /// Expected measurements and gates of half width `alpha` of all components in `lanes` lanes.

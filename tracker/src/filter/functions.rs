@@ -1,7 +1,8 @@
-//! exp and arctan of a vector of lanes, to a few units in the last place.
+//! exp, sine, cosine and arctan of a vector of lanes, to a few units in the last place.
 //!
 //! ```text
 //! exp x = 2^k e^r,  k = round(x / ln 2),  |r| ≤ ln 2 / 2: Taylor's series        (Cody & Waite's reduction)
+//! sin, cos: of a quarter of the angle, |x| ≤ π/4, doubled twice                   (Cephes, Moshier)
 //! arctan:  an eighth turn at a time, then t + t z P(z)/Q(z), z = t²              (Cephes, Moshier)
 //! ```
 
@@ -37,6 +38,24 @@ const EXP_LEAST: f64 = -708.0;
 /// Above this e^x stays as it is here.
 const EXP_MOST: f64 = 709.0;
 
+/// (sin x − x)/x³ and (cos x − 1 + x²/2)/x⁴ in x², |x| ≤ π/4.
+const SINE: [f64; 6] = [
+    1.589_623_015_765_465_7e-10,
+    -2.505_074_776_285_780_7e-8,
+    2.755_731_362_138_572_5e-6,
+    -1.984_126_982_958_954e-4,
+    8.333_333_333_322_118e-3,
+    -1.666_666_666_666_663e-1,
+];
+const COSINE: [f64; 6] = [
+    -1.135_853_652_138_768_2e-11,
+    2.087_570_084_197_473e-9,
+    -2.755_731_417_929_674e-7,
+    2.480_158_728_885_170_5e-5,
+    -1.388_888_888_887_305_6e-3,
+    4.166_666_666_666_659e-2,
+];
+
 /// P and Q of arctan on |t| ≤ 0.66.
 const ATAN_P: [f64; 5] = [
     -8.750_608_600_031_904e-1,
@@ -67,6 +86,24 @@ impl<S: Simd> V<S> {
         let r = x - k * self.splat(LN_2[0]) - k * self.splat(LN_2[1]);
         let power = polynomial(r, &FACTORIALS).times_power_of_two(whole);
         self.splat(EXP_LEAST).less(self).pick(power, self.splat(0.0))
+    }
+
+    /// Sine and cosine of an angle of up to some thousand turns, rad; finite for any finite angle.
+    #[inline(always)]
+    pub(in crate::filter) fn sin_cos(self) -> (Self, Self) {
+        let (one, half, to_whole) = (self.splat(1.0), self.splat(0.5), self.splat(TO_WHOLE));
+        let turns = self * self.splat(0.5 / PI) + to_whole - to_whole;
+        let within = (self - turns * self.splat(2.0 * PI)).min(self.splat(PI)).max(self.splat(-PI));
+        let x = (within * self.splat(0.25)).rounded();
+        let square = (x * x).rounded();
+        let cube = (square * x).rounded();
+        let mut sine = x + cube * polynomial(square, &SINE);
+        let mut cosine = one - half * square + square * square * polynomial(square, &COSINE);
+        for _ in 0..2 {
+            let twice = sine + sine;
+            (sine, cosine) = ((twice * cosine).rounded(), one - twice * sine);
+        }
+        (sine, cosine)
     }
 
     /// β of (T5): the angle of (`self`, `north`) clockwise from north, in [0, 2π); 0 of (0, 0).
@@ -108,7 +145,7 @@ impl<S: Simd> V<S> {
 
 /// Σ c_i x^(n−i) by Horner's rule.
 #[inline(always)]
-fn polynomial<S: Simd, const N: usize>(x: V<S>, coefficients: &[f64; N]) -> V<S> {
+pub(in crate::filter) fn polynomial<S: Simd, const N: usize>(x: V<S>, coefficients: &[f64; N]) -> V<S> {
     let mut sum = x.splat(coefficients[0]);
     for coefficient in &coefficients[1..] {
         sum = sum * x + x.splat(*coefficient);
@@ -124,21 +161,24 @@ mod tests {
     use proptest::prelude::*;
     use pulp::{Arch, WithSimd};
 
-    /// e^x, azimuth and elevation of (x, y) in every lane.
+    /// e^x, azimuth and elevation of (x, y), sine and cosine of x in every lane.
     struct All([Row; 2]);
 
     impl WithSimd for All {
-        type Output = [Row; 3];
+        type Output = [Row; 5];
 
         #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) -> [Row; 3] {
-            let mut out = [Row::ZERO; 3];
+        fn with_simd<S: Simd>(self, simd: S) -> [Row; 5] {
+            let mut out = [Row::ZERO; 5];
             for part in 0..Lanes::<S>::parts(LANES) {
                 let lanes = Lanes::of(simd, part);
                 let [x, y] = lanes.all(&self.0);
                 lanes.put(&mut out[0], x.exp());
                 lanes.put(&mut out[1], x.azimuth(y));
                 lanes.put(&mut out[2], x.elevation(y.abs()));
+                let (sine, cosine) = x.sin_cos();
+                lanes.put(&mut out[3], sine);
+                lanes.put(&mut out[4], cosine);
             }
             out
         }
@@ -154,15 +194,23 @@ mod tests {
         ) {
             for arch in [Arch::new(), Arch::Scalar] {
                 let out = arch.dispatch(All([Row::splat(x), Row::splat(y)]));
-                let [exp, azimuth, elevation] = out.map(|row| row.0[7]);
+                let [exp, azimuth, elevation, sine, cosine] = out.map(|row| row.0[7]);
                 prop_assert!((exp / x.exp() - 1.0).abs() < 4.0 * f64::EPSILON, "{x} {exp}");
                 let expected = if x == 0.0 && y == 0.0 { 0.0 } else { x.atan2(y) };
                 prop_assert!(angle::difference(azimuth, expected).abs() < 4.0 * f64::EPSILON * PI, "{x} {y} {azimuth}");
                 prop_assert!((0.0..2.0 * PI).contains(&azimuth));
+                let limit = 8.0 * f64::EPSILON * (1.0 + x.abs());
+                prop_assert!((sine - x.sin()).abs() < limit && (cosine - x.cos()).abs() < limit, "{x} {sine} {cosine}");
                 let expected = x.atan2(y.abs());
                 prop_assert!((elevation - expected).abs() <= 4.0 * f64::EPSILON * expected.abs(), "{x} {y} {elevation}");
             }
         }
+    }
+
+    #[test]
+    fn sine_and_cosine_of_any_angle_are_finite() {
+        let out = Arch::new().dispatch(All([Row([1e300, -1e300, f64::MAX, 1e16, -1e9, 1e-300, -0.0, 7.0]); 2]));
+        assert!(out[3].0.iter().chain(&out[4].0).all(|value| value.abs() <= 1.0 + 1e-9), "{out:?}");
     }
 
     #[test]

@@ -10,7 +10,7 @@
 //! gaussian          order of states, packed triangles group             states of up to eight tracks
 //! start             two plots make a state    (T17)   machine           the machine's instructions
 //! propagate         F, G of a component  (T1), (T4)   expect            h(u*), gates       (T5), (T9)
-//! uav, cv           the families                      evidence, absorb  the update   (T8), (T14), (T15)
+//! uav, cv, turn, bank  the families                   evidence, absorb  the update   (T8), (T14), (T15)
 //! seam, catalogue   what a family is, and which there are   moments     mean and covariance    (T16)
 //! ```
 //!
@@ -20,6 +20,7 @@
 #![expect(clippy::inline_always, reason = "vectors must stay in the function that was compiled for the machine")]
 
 mod absorb;
+pub mod bank;
 mod catalogue;
 pub mod cv;
 mod evidence;
@@ -37,6 +38,7 @@ mod prior;
 mod propagate;
 mod seam;
 mod start;
+pub mod turn;
 pub mod uav;
 
 pub use absorb::{Densities, Weights, absorb};

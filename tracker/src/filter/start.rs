@@ -7,11 +7,9 @@
 //!
 //! Full 3×3 blocks, the actual T. The term a_j²T² is the source's, on the safe side of the component's own noise.
 
-use common::geometry::Polar;
-
 use super::gaussian::{Gaussian, at};
 use super::propagate::Noise;
-use crate::plots::measurement::{LineOfSight, Measurement, position_covariance};
+use crate::plots::measurement::{Measurement, position_covariance};
 
 /// The two plots that a track begins with.
 #[derive(Debug, Clone, Copy)]
@@ -57,11 +55,5 @@ impl TwoPlots<'_> {
 
 /// R of a plot at its own place.
 fn errors(plot: &Measurement) -> [f64; 6] {
-    position_covariance(&line_of_sight(plot), [plot.variance[0], plot.variance[1], plot.variance[2]])
-}
-
-/// Directions at a plot; exact where the azimuth is, also above the antenna.
-fn line_of_sight(plot: &Measurement) -> LineOfSight {
-    let place = Polar { range_m: plot.polar[0], azimuth_rad: plot.polar[1], elevation_rad: plot.polar[2] };
-    LineOfSight::at(place.to_enu().into())
+    position_covariance(&plot.line_of_sight(), [plot.variance[0], plot.variance[1], plot.variance[2]])
 }

@@ -125,6 +125,30 @@ impl Measurement {
         })
     }
 
+    /// A position in the plane, m, known with standard errors of range (m) and azimuth (rad), and nothing else: for studies of a filter.
+    pub fn in_plane([east, north]: [f64; 2], sigma: [f64; 2]) -> Self {
+        let position = [east, north, 0.0];
+        let at = LineOfSight::at(position);
+        Self {
+            time_ns: 0,
+            position,
+            polar: [at.range_m, at.azimuth_rad, 0.0, 0.0],
+            cos_elevation: 1.0,
+            variance: [sigma[0] * sigma[0], sigma[1] * sigma[1], 0.0, 0.0],
+            power: 0.0,
+            measured: [true, true, false, false],
+            has_power: false,
+            is_common: false,
+            crowd: 0.0,
+        }
+    }
+
+    /// Directions at its polar place; exact where the azimuth is, also above the antenna.
+    pub fn line_of_sight(&self) -> LineOfSight {
+        let place = Polar { range_m: self.polar[0], azimuth_rad: self.polar[1], elevation_rad: self.polar[2] };
+        LineOfSight::at(place.to_enu().into())
+    }
+
     /// Number of measured coordinates.
     pub fn dimensions(&self) -> usize {
         self.measured.iter().filter(|measured| **measured).count()
