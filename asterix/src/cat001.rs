@@ -3,7 +3,7 @@
 use crate::definition::Profile;
 use crate::field::Field;
 use crate::record::Record;
-use crate::report::{Artificial, FL_M, NM_M, SourceId, TargetReport, TimeOfDay};
+use crate::report::{Artificial, FL_M, NM_M, SourceId, TargetReport, TimeOfDay, radians};
 use crate::tables::CAT001_1_4;
 
 /// The category.
@@ -66,11 +66,7 @@ pub(crate) fn target_report(record: &Record<'_>) -> TargetReport {
             test: TEST.is_set(record) == Some(true),
             monitor: MONITOR.is_set(record) == Some(true),
         },
-        polar: fields
-            .range
-            .value(record)
-            .zip(fields.azimuth.value(record))
-            .map(|(nm, deg)| (nm * NM_M, deg.to_radians())),
+        polar: fields.range.value(record).zip(fields.azimuth.value(record)).map(|(nm, deg)| (nm * NM_M, radians(deg))),
         cartesian_m: if is_track {
             TRACK_X.value(record).zip(TRACK_Y.value(record)).map(|(x, y)| (x * NM_M, y * NM_M))
         } else {

@@ -2,7 +2,7 @@
 
 use crate::field::Field;
 use crate::record::Record;
-use crate::report::{Service, ServiceMessage, SourceId, TimeOfDay};
+use crate::report::{Service, ServiceMessage, SourceId, TimeOfDay, radians};
 use crate::tables::CAT002_1_2;
 
 /// The category.
@@ -25,7 +25,7 @@ pub(crate) fn service_message(record: &Record<'_>) -> ServiceMessage {
             _ => Service::Other,
         },
         time_of_day: TimeOfDay::read(record, &TIME_OF_DAY),
-        azimuth_rad: SECTOR.value(record).map(f64::to_radians),
+        azimuth_rad: SECTOR.value(record).map(radians),
         turn_s: TURN.value(record),
     }
 }

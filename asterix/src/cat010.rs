@@ -4,6 +4,7 @@ use crate::field::Field;
 use crate::record::Record;
 use crate::report::{
     Artificial, FL_M, FT_M, Message, Service, ServiceMessage, SourceId, TargetKind, TargetReport, TimeOfDay, callsign,
+    radians,
 };
 use crate::tables::CAT010_1_1;
 
@@ -71,7 +72,7 @@ fn target_report(record: &Record<'_>, source: Option<SourceId>, time_of_day: Opt
             Some(3) => TargetKind::Helicopter,
             _ => TargetKind::Undetermined,
         },
-        polar: RANGE.value(record).zip(AZIMUTH.value(record)).map(|(range_m, deg)| (range_m, deg.to_radians())),
+        polar: RANGE.value(record).zip(AZIMUTH.value(record)).map(|(range_m, deg)| (range_m, radians(deg))),
         cartesian_m: X.value(record).zip(Y.value(record)),
         pressure_height_m: FLIGHT_LEVEL.value(record).map(|level| level * FL_M),
         height_m: HEIGHT.value(record).map(|height_ft| height_ft * FT_M),

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::error::EncodeError;
 use crate::field::Field;
 use crate::record::Record;
-use crate::report::{Service, ServiceMessage, SourceId, TimeOfDay};
+use crate::report::{Service, ServiceMessage, SourceId, TimeOfDay, radians};
 use crate::tables::CAT034_1_29;
 use crate::writer::RecordWriter;
 
@@ -33,7 +33,7 @@ pub(crate) fn service_message(record: &Record<'_>) -> ServiceMessage {
             _ => Service::Other,
         },
         time_of_day: TimeOfDay::read(record, &TIME_OF_DAY),
-        azimuth_rad: SECTOR.value(record).map(f64::to_radians),
+        azimuth_rad: SECTOR.value(record).map(radians),
         turn_s: TURN.value(record),
     }
 }

@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use crate::error::EncodeError;
 use crate::field::Field;
 use crate::record::Record;
-use crate::report::{Artificial, FL_M, FT_M, NM_M, SourceId, TargetReport, TimeOfDay, callsign, callsign_bits};
+use crate::report::{
+    Artificial, FL_M, FT_M, NM_M, SourceId, TargetReport, TimeOfDay, callsign, callsign_bits, radians,
+};
 use crate::tables::CAT048_1_32;
 use crate::writer::RecordWriter;
 
@@ -60,7 +62,7 @@ pub fn target_report(record: &Record<'_>) -> TargetReport {
             test: TEST.is_set(record) == Some(true),
             monitor: MONITOR.is_set(record) == Some(true),
         },
-        polar: RANGE.value(record).zip(AZIMUTH.value(record)).map(|(nm, deg)| (nm * NM_M, deg.to_radians())),
+        polar: RANGE.value(record).zip(AZIMUTH.value(record)).map(|(nm, deg)| (nm * NM_M, radians(deg))),
         cartesian_m: X.value(record).zip(Y.value(record)).map(|(x, y)| (x * NM_M, y * NM_M)),
         pressure_height_m: FLIGHT_LEVEL.value(record).map(|level| level * FL_M),
         height_m: HEIGHT.value(record).map(|height_ft| height_ft * FT_M),
@@ -76,7 +78,7 @@ pub fn target_report(record: &Record<'_>) -> TargetReport {
         tentative: TENTATIVE.is_set(record),
         last_report: LAST_REPORT.is_set(record),
         velocity_mps: SPEED.value(record).zip(HEADING.value(record)).map(|(nm_per_s, deg)| {
-            let (east, north) = deg.to_radians().sin_cos();
+            let (east, north) = radians(deg).sin_cos();
             (nm_per_s * NM_M * east, nm_per_s * NM_M * north)
         }),
         ..TargetReport::default()

@@ -46,6 +46,15 @@ impl Editions {
         Ok(self)
     }
 
+    /// As these, of some categories only.
+    #[must_use]
+    pub fn only(mut self, categories: &[u8]) -> Self {
+        for (category, edition) in self.0.iter_mut().enumerate() {
+            *edition = edition.filter(|_| categories.iter().any(|&it| usize::from(it) == category));
+        }
+        self
+    }
+
     /// The edition of a category, if the category is known.
     pub fn of(&self, category: u8) -> Option<&'static Edition> {
         self.0[usize::from(category)]

@@ -38,7 +38,7 @@
 //! Writing is the other way round: [`BlockWriter`] takes records field by field, or as values.
 //!
 //! Bytes that cannot be read are an error that names category, record, item and place ([`DecodeError`]), never a panic.
-//! [`recovery`] finds the blocks of a damaged recording again.
+//! [`recovery`] finds the blocks of a damaged recording again; [`recording`] finds them in captures of a network.
 
 pub mod block;
 pub mod cat001;
@@ -56,6 +56,7 @@ mod json;
 mod length;
 pub mod random;
 pub mod record;
+pub mod recording;
 pub mod recovery;
 pub mod report;
 pub mod tables;

@@ -11,7 +11,87 @@ use std::ops::Range;
 
 use crate::block::{HEADER, header};
 use crate::editions::Editions;
-use crate::record::Records;
+use crate::error::DecodeError;
+use crate::record::{Record, Records};
+
+/// Bytes that gave no record.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Unused {
+    /// A block of a category that is not known.
+    Category {
+        /// Which.
+        category: u8,
+        /// Its size, bytes.
+        bytes: usize,
+    },
+    /// Bytes that could not be read.
+    Unread {
+        /// Where they lie.
+        place: Range<usize>,
+        /// Why.
+        cause: Cause,
+    },
+}
+
+/// Why bytes could not be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Cause {
+    /// No block begins with them.
+    #[error("no block of a known category")]
+    NoBlock,
+    /// The recording, or the datagram, ends inside the block.
+    #[error("cut off")]
+    Cut,
+    /// A record that cannot be read, and what follows it in its block.
+    #[error(transparent)]
+    Record(DecodeError),
+    /// Part of a capture that holds no packet.
+    #[error("{0}")]
+    Capture(&'static str),
+}
+
+/// All records of blocks back to back, and between them what was not used: of every byte it is known which it is.
+/// `bytes` begin `offset` bytes after the start of what is read.
+pub fn records<'a>(
+    editions: &'a Editions,
+    bytes: &'a [u8],
+    offset: usize,
+) -> impl Iterator<Item = Result<Record<'a>, Unused>> + 'a {
+    Pieces::new(editions, bytes).flat_map(move |piece| match piece {
+        Piece::Block { category, records, cut } => match editions.of(category) {
+            Some(edition) => {
+                let place = offset + records.start..offset + records.end;
+                records_of(Records::new(edition, &bytes[records], place.start), place, cut)
+            }
+            None => vec![Err(Unused::Category { category, bytes: HEADER + records.len() })],
+        },
+        Piece::Lost(lost) => {
+            let place = offset + lost.start..offset + lost.end;
+            vec![Err(Unused::Unread { place, cause: Cause::NoBlock })]
+        }
+    })
+}
+
+/// The records of one block, up to the first that cannot be read: the next one cannot be found.
+fn records_of(mut records: Records<'_>, place: Range<usize>, cut: bool) -> Vec<Result<Record<'_>, Unused>> {
+    let mut taken = Vec::new();
+    let mut unread = place.clone();
+    let mut cause = None;
+    while let Some(record) = records.next() {
+        match record {
+            Ok(record) => taken.push(Ok(record)),
+            Err(error) => cause = Some(Cause::Record(error)),
+        }
+        unread.start = place.end - records.left();
+    }
+    if cut {
+        // One loss, wherever in its records the cut lies; without one of them the header was of no use either.
+        cause = Some(Cause::Cut);
+        unread.start -= if taken.is_empty() { HEADER.min(unread.start) } else { 0 };
+    }
+    taken.extend(cause.map(|cause| Err(Unused::Unread { place: unread, cause })));
+    taken
+}
 
 /// A part of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]

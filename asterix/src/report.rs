@@ -1,5 +1,6 @@
 //! What one radar says: target reports and service messages of all its categories, in SI units.
 
+use std::f64::consts::TAU;
 use std::fmt;
 
 use crate::field::Field;
@@ -12,6 +13,12 @@ pub(crate) const NM_M: f64 = 1852.0;
 pub(crate) const FT_M: f64 = 0.3048;
 /// Metres in a flight level, of the standard atmosphere.
 pub(crate) const FL_M: f64 = 100.0 * FT_M;
+
+/// Degrees to rad. A whole number of binary fractions of a turn keeps its exact share of 2π.
+#[inline]
+pub(crate) fn radians(degrees: f64) -> f64 {
+    degrees / 360.0 * TAU
+}
 
 /// SAC and SIC of a sensor or system.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -102,7 +102,7 @@ proptest! {
             source: Some(source),
             service: if sector.is_some() { Service::Sector } else { Service::North },
             time_of_day,
-            azimuth_rad: sector.map(|sector| (f64::from(sector) * 360.0 / 256.0).to_radians()),
+            azimuth_rad: sector.map(|sector| f64::from(sector) / 256.0 * std::f64::consts::TAU),
             turn_s: turn.map(|turn| f64::from(turn) / 128.0),
         };
         let read = written(CAT034_1_29, |record| cat034::write(&message, record), Message::of);

@@ -23,7 +23,7 @@ pub enum SourceError {
         name: String,
     },
     /// There is not one readable record in the file.
-    #[error("{} is not an ASTERIX recording with category 010: {found}", path.display())]
+    #[error("{} is not an ASTERIX recording with category 001, 010 or 048: {found}", path.display())]
     NotAsterix {
         /// Which file.
         path: PathBuf,
