@@ -55,12 +55,14 @@ const TRACK_Y: Field = Field::in_profile(&CAT001_1_4.profiles[1], "042/Y");
 pub(crate) fn target_report(record: &Record<'_>) -> TargetReport {
     let is_track = IS_TRACK.is_set(record) == Some(true);
     let fields = if is_track { &TRACK } else { &PLOT };
-    let detection = DETECTION.raw(record).unwrap_or(0);
+    let kind = DETECTION.raw(record);
+    let detection = kind.unwrap_or(0);
     TargetReport {
         source: SourceId::read(record, &SAC, &SIC),
         time_of_day: fields.time_of_day.raw(record).map(|raw| TimeOfDay { steps: raw as u32, period: PERIOD }),
         primary: detection & 1 != 0,
         secondary: detection & 2 != 0,
+        extrapolated: kind == Some(0),
         artificial: Artificial {
             simulated: SIMULATED.is_set(record) == Some(true),
             test: TEST.is_set(record) == Some(true),

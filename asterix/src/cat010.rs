@@ -60,6 +60,7 @@ fn target_report(record: &Record<'_>, source: Option<SourceId>, time_of_day: Opt
         time_of_day,
         primary: sensor == Some(PRIMARY),
         secondary: sensor.is_some_and(|sensor| sensor != PRIMARY),
+        extrapolated: false,
         artificial: Artificial {
             simulated: SIMULATED.is_set(record) == Some(true),
             test: TEST.is_set(record) == Some(true),

@@ -51,12 +51,14 @@ const MODE_S_PRIMARY: u64 = 6;
 /// A target report. A radial velocity that the radar calls doubtful is left out.
 #[inline]
 pub fn target_report(record: &Record<'_>) -> TargetReport {
-    let detection = DETECTION.raw(record).unwrap_or(NO_DETECTION);
+    let kind = DETECTION.raw(record);
+    let detection = kind.unwrap_or(NO_DETECTION);
     TargetReport {
         source: SourceId::read(record, &SAC, &SIC),
         time_of_day: TimeOfDay::read(record, &TIME_OF_DAY),
         primary: matches!(detection, PRIMARY | COMBINED | MODE_S_PRIMARY..),
         secondary: matches!(detection, SECONDARY | COMBINED | MODE_S..),
+        extrapolated: kind == Some(NO_DETECTION),
         artificial: Artificial {
             simulated: SIMULATED.is_set(record) == Some(true),
             test: TEST.is_set(record) == Some(true),

@@ -95,6 +95,7 @@ pub struct Artificial {
 
 /// A target report of category 001, 010 or 048. What is absent is `None`.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "they are bits of the target report descriptor")]
 pub struct TargetReport {
     /// The radar.
     pub source: Option<SourceId>,
@@ -104,6 +105,8 @@ pub struct TargetReport {
     pub primary: bool,
     /// Whether it was seen by a secondary radar, Mode S or multilateration in this scan.
     pub secondary: bool,
+    /// Whether it says that it was not seen: the position is the one that the radar's own tracker expects.
+    pub extrapolated: bool,
     /// Why it may not be there.
     pub artificial: Artificial,
     /// Whether the transponder says that it is on the ground.

@@ -65,6 +65,7 @@ proptest! {
             time_of_day,
             primary: flags[0],
             secondary: flags[1],
+            extrapolated: !flags[0] && !flags[1],
             artificial: Artificial { simulated: flags[2], test: flags[3], monitor: flags[4] },
             polar,
             pressure_height_m: heights.0,

@@ -15,6 +15,7 @@ pub mod clock;
 pub mod contents;
 pub mod continuity;
 pub mod error;
+pub mod habits;
 pub mod level;
 pub mod network;
 pub mod process;

@@ -10,6 +10,7 @@ use common::health::{Reject, Rejected};
 
 use crate::clock::DayClock;
 use crate::contents::{Contents, editions};
+use crate::habits::{Habits, RangeRates};
 
 /// One target report: all that a tracker may know of it.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
@@ -52,6 +53,8 @@ pub struct RadarRecording {
     pub source: Option<SourceId>,
     /// What was not used.
     pub rejected: Rejected,
+    /// What its range rates mean.
+    pub range_rates: RangeRates,
     /// Crossings of the first sector: north, where the radar does not say so otherwise.
     first_sectors: Vec<Cycle>,
 }
@@ -65,6 +68,7 @@ struct Intake<'a> {
     clock: DayClock,
     config: &'a PlotSourceConfig,
     azimuth_bias_rad: f64,
+    habits: Habits,
 }
 
 impl RadarRecording {
@@ -97,7 +101,14 @@ impl RadarRecording {
             [] if recording.contents.sources.is_empty() => None,
             _ => return Err(WhichSource(recording.contents.sources_found())),
         };
-        let mut intake = Intake { clock: clock_of(&all, config.midnight_ns()), config, azimuth_bias_rad };
+        let mut clock = clock_of(&all, config.midnight_ns());
+        let mut habits = Habits::new(config.sigma_range_m, config.sigma_range_rate_mps);
+        for report in all.iter().filter_map(own_report(recording.source)) {
+            habits.learn(report, report.time_of_day.map(|time_of_day| clock.time_ns(time_of_day)));
+        }
+        recording.range_rates = habits.range_rates();
+        let clock = clock_of(&all, config.midnight_ns());
+        let mut intake = Intake { clock, config, azimuth_bias_rad, habits };
         for message in all {
             // A record that names no sensor can only be the site's.
             let is_foreign = message.source().is_some_and(|source| recording.source != Some(source));
@@ -145,6 +156,9 @@ impl Intake<'_> {
         if (simulated && !config.use_simulated) || (test && !config.use_test) || (monitor && !config.use_monitors) {
             return Err(Reject::FixedMonitor);
         }
+        if self.habits.is_extrapolated(report) {
+            return Err(Reject::NotATarget);
+        }
         let clock_ns = report.time_of_day.map(|time_of_day| self.clock.time_ns(time_of_day));
         let (range_m, azimuth_rad) = report.polar.ok_or(Reject::NoPosition)?;
         if range_m <= 0.0 {
@@ -154,11 +168,19 @@ impl Intake<'_> {
             clock_ns,
             range_m,
             azimuth_rad: angle::wrap(azimuth_rad - self.azimuth_bias_rad),
-            range_rate_mps: report.radial_velocity_mps,
+            range_rate_mps: self.habits.range_rates().of(report),
             height_m: report.height_m.or(report.pressure_height_m),
             amplitude_db: report.amplitude_db,
             is_artificial: report.artificial != Artificial::default(),
         })
+    }
+}
+
+/// The target reports of a sensor, and those that name none.
+fn own_report(source: Option<SourceId>) -> impl Fn(&Message) -> Option<&TargetReport> {
+    move |message| match message {
+        Message::Target(report) if report.source.is_none() || report.source == source => Some(report),
+        _ => None,
     }
 }
 

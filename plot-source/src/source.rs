@@ -13,6 +13,7 @@ use common::units::{NS_PER_S, seconds_between};
 
 use crate::contents::Contents;
 use crate::error::SourceError;
+use crate::habits::RangeRates;
 use crate::level::AmplitudeLevel;
 use crate::radar::{RadarRecording, WhichSource};
 use crate::registration::Registration;
@@ -220,6 +221,13 @@ fn about_source(recording: &RadarRecording, config: &ChainConfig) -> Vec<String>
         && (config.site.sac.is_none() || config.site.sic.is_none())
     {
         notes.push(format!("taken for the site's: {source} (keys `site.sac` and `site.sic` do not both say)"));
+    }
+    match recording.range_rates {
+        RangeRates::Receding => {}
+        RangeRates::Approaching => {
+            notes.push("range rates are positive for approaching targets, by the ranges: their sign is changed".into());
+        }
+        RangeRates::Unfit => notes.push("range rates do not fit the change of the ranges: they are not used".into()),
     }
     notes
 }
