@@ -20,7 +20,7 @@ impl RecordValues {
     fn item(&self, out: &mut Formatter<'_>, position: usize, value: &Value) -> fmt::Result {
         match (self.profile.slots.get(position), value) {
             (Some(Slot::Item(item)), value) => named(out, item, value),
-            (_, Value::Chosen(items)) => {
+            (_, Value::Sequence(items)) => {
                 write!(out, "\"RFS\":")?;
                 object(out, items.iter(), |out, (position, value)| self.item(out, *position, value))
             }
@@ -64,7 +64,7 @@ fn write_value(out: &mut Formatter<'_>, shape: &Shape, value: &Value) -> fmt::Re
             }
             write!(out, "]")
         }
-        (Shape::Compound(items), Value::Chosen(parts)) => object(out, parts.iter(), |out, (index, value)| {
+        (Shape::Compound(items), Value::Chosen { parts, .. }) => object(out, parts.iter(), |out, (index, value)| {
             items.get(*index).and_then(Option::as_ref).map_or(Err(fmt::Error), |item| named(out, item, value))
         }),
         _ => Err(fmt::Error),

@@ -27,7 +27,8 @@ pub fn record(edition: &'static Edition, draw: &mut impl FnMut() -> u64) -> Reco
             _ => {}
         }
     }
-    RecordValues { edition, profile, items }
+    let fspec_octets = octets_for(&items);
+    RecordValues { edition, profile, fspec_octets, items }
 }
 
 fn sequence(profile: &Profile, draw: &mut impl FnMut() -> u64) -> Value {
@@ -35,7 +36,7 @@ fn sequence(profile: &Profile, draw: &mut impl FnMut() -> u64) -> Value {
         Slot::Item(item) if below(6, draw) == 0 => Some((position, value(&item.shape, draw))),
         _ => None,
     });
-    Value::Chosen(items.collect())
+    Value::Sequence(items.collect())
 }
 
 fn value(shape: &Shape, draw: &mut impl FnMut() -> u64) -> Value {
@@ -65,9 +66,15 @@ fn value(shape: &Shape, draw: &mut impl FnMut() -> u64) -> Value {
                 let item = item.as_ref()?;
                 (draw() & 1 == 1).then(|| (index, value(&item.shape, draw)))
             });
-            Value::Chosen(parts.collect())
+            let parts: Vec<(usize, Value)> = parts.collect();
+            Value::Chosen { octets: octets_for(&parts), parts }
         }
     }
+}
+
+/// Least octets of a field of bits that names these.
+fn octets_for(named: &[(usize, Value)]) -> usize {
+    named.last().map_or(1, |(last, _)| last / 7 + 1)
 }
 
 /// None for the bit that says whether the item goes on.

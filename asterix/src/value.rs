@@ -5,6 +5,7 @@
 
 use crate::definition::{Edition, Item, Part, Profile, Shape, Slot};
 use crate::error::EncodeError;
+use crate::length::flagged;
 use crate::record::{Record, bits};
 
 /// What an item, or a part of one, holds.
@@ -18,8 +19,15 @@ pub enum Value {
     Parts(Vec<Self>),
     /// Repeated values.
     List(Vec<Self>),
-    /// Parts of a compound item by index, or items of random field sequencing by position, from 0.
-    Chosen(Vec<(usize, Self)>),
+    /// Parts of a compound item by index, from 0.
+    Chosen {
+        /// Size of the field of bits that names them; some radars send more than it needs.
+        octets: usize,
+        /// The parts.
+        parts: Vec<(usize, Self)>,
+    },
+    /// Items of random field sequencing by position, from 0.
+    Sequence(Vec<(usize, Self)>),
 }
 
 /// A record as values.
@@ -29,6 +37,8 @@ pub struct RecordValues {
     pub edition: &'static Edition,
     /// Its profile.
     pub profile: &'static Profile,
+    /// Size of the FSPEC; some radars send more than it needs.
+    pub fspec_octets: usize,
     /// Position in the profile, from 0, and value of each item.
     pub items: Vec<(usize, Value)>,
 }
@@ -43,7 +53,8 @@ impl RecordValues {
             };
             (found.position, value)
         });
-        Self { edition: record.edition, profile: record.profile, items: items.collect() }
+        let fspec_octets = flagged(record.bytes).unwrap_or(1);
+        Self { edition: record.edition, profile: record.profile, fspec_octets, items: items.collect() }
     }
 
     /// Appends the octets of the record.
@@ -52,11 +63,11 @@ impl RecordValues {
     /// [`EncodeError`]: a value does not have the shape of its item, or items are not in order.
     pub fn encode(&self, out: &mut Vec<u8>) -> Result<(), EncodeError> {
         let positions: Vec<usize> = self.items.iter().map(|&(position, _)| position).collect();
-        named(&positions, "FSPEC", out)?;
+        named(&positions, self.fspec_octets, "FSPEC", out)?;
         for (position, value) in &self.items {
             match (self.profile.slots.get(*position), value) {
                 (Some(Slot::Item(item)), value) => encode(item, value, out)?,
-                (Some(Slot::Sequence), Value::Chosen(items)) => {
+                (Some(Slot::Sequence), Value::Sequence(items)) => {
                     out.push(u8::try_from(items.len()).map_err(|_| EncodeError::Shape { item: "RFS" })?);
                     for (position, value) in items {
                         let Some(Slot::Item(item)) = self.profile.slots.get(*position) else {
@@ -98,7 +109,7 @@ fn value(shape: &Shape, bytes: &[u8]) -> Value {
                 let place = crate::length::compound(items, bytes, index).ok().filter(|place| !place.is_empty())?;
                 Some((index, value(&item.as_ref()?.shape, &bytes[place])))
             });
-            Value::Chosen(parts.collect())
+            Value::Chosen { octets: flagged(bytes).unwrap_or(1), parts: parts.collect() }
         }
     }
 }
@@ -142,15 +153,15 @@ fn sequence(profile: &Profile, bytes: &[u8]) -> Value {
         items.push((position, value(&item.shape, &rest[..length])));
         at += 1 + length;
     }
-    Value::Chosen(items)
+    Value::Sequence(items)
 }
 
-/// Appends a field of bits like the FSPEC, as short as it can be.
-fn named(positions: &[usize], item: &'static str, out: &mut Vec<u8>) -> Result<(), EncodeError> {
+/// Appends a field of bits like the FSPEC, as short as it can be, but of at least so many octets.
+fn named(positions: &[usize], least: usize, item: &'static str, out: &mut Vec<u8>) -> Result<(), EncodeError> {
     if !positions.is_sorted_by(|a, b| a < b) {
         return Err(EncodeError::Order { item });
     }
-    let octets = positions.last().map_or(1, |last| last / 7 + 1);
+    let octets = positions.last().map_or(1, |last| last / 7 + 1).max(least);
     let start = out.len();
     out.resize(start + octets - 1, 1);
     out.push(0);
@@ -164,9 +175,9 @@ fn named(positions: &[usize], item: &'static str, out: &mut Vec<u8>) -> Result<(
 fn encode(item: &Item, value: &Value, out: &mut Vec<u8>) -> Result<(), EncodeError> {
     let wrong = EncodeError::Shape { item: item.name };
     match (&item.shape, value) {
-        (Shape::Compound(items), Value::Chosen(parts)) => {
+        (Shape::Compound(items), Value::Chosen { octets, parts }) => {
             let indices: Vec<usize> = parts.iter().map(|&(index, _)| index).collect();
-            named(&indices, item.name, out)?;
+            named(&indices, *octets, item.name, out)?;
             for (index, value) in parts {
                 encode(items.get(*index).and_then(Option::as_ref).ok_or(wrong)?, value, out)?;
             }
