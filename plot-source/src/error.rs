@@ -38,8 +38,12 @@ pub enum SourceError {
         /// Sensors with their records.
         found: String,
     },
-    /// There is no start-of-update-cycle message, so scans cannot be told apart.
-    #[error("{} holds no start-of-update-cycle message with a time: scans cannot be told apart", path.display())]
+    /// There is nothing to tell scans apart by.
+    #[error(
+        "{} holds no start-of-update-cycle message or north marker with a time, and its reports do not turn evenly: \
+         scans cannot be told apart",
+        path.display()
+    )]
     NoCycle {
         /// Which file.
         path: PathBuf,

@@ -25,6 +25,7 @@ pub mod rotation;
 pub mod sectors;
 pub mod source;
 pub mod truth;
+pub mod turning;
 pub mod unlike;
 
 pub use error::SourceError;

@@ -20,6 +20,7 @@ use crate::registration::Registration;
 use crate::rotation::Rotations;
 use crate::sectors::{SectorLayout, Sighting};
 use crate::truth::TruthRecording;
+use crate::turning::norths;
 use crate::unlike::what_is;
 
 /// The messages of one scan, in the order of their publication. Sessions and stamps are the shell's.
@@ -87,15 +88,23 @@ impl Source {
         let bias_rad = Registration::new(&plot_source.registration).azimuth_bias_rad();
         let path = || radar_path.to_path_buf();
         refuse_other_formats(radar_path, radar)?;
-        let recording = RadarRecording::decode(radar, plot_source, bias_rad, &config.site)
+        let mut recording = RadarRecording::decode(radar, plot_source, bias_rad, &config.site)
             .map_err(|WhichSource(found)| SourceError::WhichSource { path: path(), found })?;
         refuse_without_records(radar_path, radar, &recording.contents)?;
         let nominal_ns = (plot_source.scan_period_s * NS_PER_S) as i64;
+        let has_norths = !recording.cycles.is_empty();
+        if !has_norths {
+            recording.cycles = norths(&recording.reports, nominal_ns).unwrap_or_default();
+        }
         let errors = (plot_source.sigma_range_m, plot_source.sigma_azimuth_deg.to_radians());
         let rotations = Rotations::new(&recording.cycles, &recording.reports, nominal_ns, errors)
             .ok_or_else(|| SourceError::NoCycle { path: path() })?;
         let mut notes = named(radar_path, recording.contents.notes());
         notes.extend(named(radar_path, about_source(&recording, config)));
+        if !has_norths {
+            let text = "no north markers: the turns are those that times and azimuths of the reports tell";
+            notes.extend(named(radar_path, vec![text.into()]));
+        }
         notes.extend(named(radar_path, about_time(&recording, &rotations, plot_source.scan_period_s)));
         let mut is_sound = recording.contents.unread_bytes == 0;
 
