@@ -1,5 +1,6 @@
 //! `radar-chain`: launches, supervises and shows a radar processing chain.
 
+mod asterix_dump;
 mod checks;
 mod claim;
 mod dispatch;
@@ -40,6 +41,7 @@ const DEFAULT_CONFIG: &str = "config/uav.toml";
 ///   radar-chain doctor                                   check this machine, say how to fix what is missing
 ///   radar-chain config --explain                         every key with its value and meaning
 ///   radar-chain recorder info recordings/FILE.mcap       what is in a recording
+///   radar-chain asterix dump radar.pcap                  ASTERIX records as JSON lines
 #[derive(Parser)]
 #[command(name = "radar-chain", version, verbatim_doc_comment, args_conflicts_with_subcommands = true)]
 struct Arguments {
@@ -137,6 +139,11 @@ enum Command {
     Recorder {
         #[command(subcommand)]
         command: recorder::command_line::Command,
+    },
+    /// Look into ASTERIX data
+    Asterix {
+        #[command(subcommand)]
+        command: asterix_dump::Command,
     },
     /// Run one end of the bare hop with which a soak compares the chain's hops
     #[command(hide = true)]
@@ -367,6 +374,7 @@ fn main() -> ExitCode {
         Command::Completions { shell } => common::process::run("radar-chain", || manual::print_completions(shell)),
         Command::Man { folder } => common::process::run("radar-chain", || manual::write_man_pages(&folder)),
         Command::Recorder { command } => common::process::run(recorder::process::NAME, || command.run()),
+        Command::Asterix { command } => common::process::run("radar-chain", || command.run()),
         Command::Stage { name, args } => common::process::run(&name, || dispatch::run_stage(&name, &args)),
     }
 }

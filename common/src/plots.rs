@@ -22,6 +22,8 @@ pub const HAS_ELEVATION: u32 = 1;
 pub const HAS_RANGE_RATE: u32 = 2;
 /// [`Plot::statistic`] is measured.
 pub const HAS_STATISTIC: u32 = 4;
+/// Of a simulated or test target, or of a fixed monitor of the sensor.
+pub const ARTIFICIAL: u32 = 8;
 
 /// One detection: a cluster of cells over threshold, in polar coordinates about the antenna.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]

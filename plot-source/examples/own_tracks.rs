@@ -12,13 +12,15 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use anyhow::Context;
+use asterix::cat010::VELOCITY_STEP_MPS;
+use asterix::recording::Recording;
+use asterix::report::{Message, TargetReport};
 use common::config;
 use common::recording::RecordedRef;
 use common::recording::jsonl::Writer;
 use common::tracks::{CONFIRMED, TENTATIVE, Track, TracksHeader};
-use plot_source::asterix::cat010::{MessageType, Record};
-use plot_source::asterix::records;
 use plot_source::clock::DayClock;
+use plot_source::contents::editions;
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -32,9 +34,10 @@ fn main() -> anyhow::Result<()> {
     let mut writer = Writer::new(BufWriter::new(File::create(output)?));
     let mut reports = Vec::new();
     let mut lives: HashMap<u16, u64> = HashMap::new();
-    for record in records(&bytes).flatten() {
-        if let Some(track) = own_track(&record, &mut clock, registration, &mut lives) {
-            reports.push(track);
+    let editions = editions();
+    for received in Recording::new(&bytes, &editions).records(&editions).flatten() {
+        if let Some(Message::Target(report)) = Message::of(&received.record) {
+            reports.extend(own_track(&report, &mut clock, registration, &mut lives));
         }
     }
     reports.sort_by_key(|track| track.time_ns);
@@ -48,26 +51,22 @@ fn main() -> anyhow::Result<()> {
 
 /// The report of a record as a track; numbers that are given again after the last report of a track are new tracks.
 fn own_track(
-    record: &Record,
+    report: &TargetReport,
     clock: &mut DayClock,
     registration: &config::RegistrationConfig,
     lives: &mut HashMap<u16, u64>,
 ) -> Option<Track> {
-    if record.message_type != Some(MessageType::TargetReport) {
-        return None;
-    }
-    let (number, status) = (record.track_number?, record.track_status.unwrap_or_default());
+    let number = report.track_number?;
     let life = lives.entry(number).or_default();
     let id = u64::from(number) + (*life << 12);
-    *life += u64::from(status.last_report);
-    let time_ns = clock.time_ns(record.time_of_day?).max(0) as u64;
+    *life += u64::from(report.last_report == Some(true));
+    let time_ns = clock.time_ns(report.time_of_day?).max(0) as u64;
     let (sin, cos) = registration.azimuth_bias_deg.to_radians().sin_cos();
     let turn = |(x, y): (f64, f64)| (x * cos - y * sin, x * sin + y * cos);
-    let (x, y) = turn(record.cartesian_m?);
-    let step = registration.truth_velocity_step_mps;
-    let (vx, vy) =
-        record.velocity_steps.map_or((0.0, 0.0), |(vx, vy)| turn((f64::from(vx) * step, f64::from(vy) * step)));
-    let state_code = if status.initialising { TENTATIVE } else { CONFIRMED };
+    let (x, y) = turn(report.cartesian_m?);
+    let scale = registration.truth_velocity_step_mps / VELOCITY_STEP_MPS;
+    let (vx, vy) = report.velocity_mps.map_or((0.0, 0.0), |(vx, vy)| turn((vx * scale, vy * scale)));
+    let state_code = if report.tentative == Some(true) { TENTATIVE } else { CONFIRMED };
     let state = [x, vx, 0.0, y, vy, 0.0, 0.0, 0.0, 0.0];
     Some(Track { time_ns, id, state, state_code, ..Track::default() })
 }

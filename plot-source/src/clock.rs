@@ -1,11 +1,9 @@
 //! Time of day to ns UTC, across midnight.
 
-/// Steps of I010/140 in a second.
-const STEPS_PER_S: i64 = 128;
-/// A step, ns.
-pub const STEP_NS: i64 = 1_000_000_000 / STEPS_PER_S;
-/// Steps in a day.
-const DAY: i64 = 86_400 * STEPS_PER_S;
+use asterix::report::TimeOfDay;
+
+/// A step of the time of day, ns.
+pub const STEP_NS: i64 = 1_000_000_000 / TimeOfDay::STEPS_PER_S as i64;
 
 /// Continues the time of day over midnight: of all days, the one is meant that brings a time
 /// of day closest to the one before. Reports out of order are therefore taken right, and a leap second
@@ -28,12 +26,12 @@ impl DayClock {
         Self { midnight_ns, last: Some((time_ns - midnight_ns) / STEP_NS) }
     }
 
-    /// The UTC time, ns since 1970, of a time of day in 1/128 s.
-    pub fn time_ns(&mut self, time_of_day: u32) -> i64 {
-        let time = i64::from(time_of_day);
+    /// The UTC time, ns since 1970, of a time of day, of which only the lower bits may be known.
+    pub fn time_ns(&mut self, time_of_day: TimeOfDay) -> i64 {
+        let (time, period) = (i64::from(time_of_day.steps), i64::from(time_of_day.period));
         let last = self.last.unwrap_or(time);
-        let forward = (time - last).rem_euclid(DAY);
-        let step = if forward >= DAY / 2 { forward - DAY } else { forward };
+        let forward = (time - last).rem_euclid(period);
+        let step = if forward >= period / 2 { forward - period } else { forward };
         let steps = last + step;
         self.last = Some(steps);
         self.midnight_ns + steps * STEP_NS
@@ -44,18 +42,33 @@ impl DayClock {
 mod tests {
     use super::*;
 
+    fn time(seconds: u32) -> TimeOfDay {
+        TimeOfDay { steps: seconds * 128, period: TimeOfDay::DAY }
+    }
+
     #[test]
     fn a_clock_may_be_set_back_over_midnight() {
         let mut clock = DayClock::new(5_000_000_000);
-        assert_eq!(clock.time_ns(128), 6_000_000_000);
-        assert_eq!(clock.time_ns(86_399 * 128), 4_000_000_000);
+        assert_eq!(clock.time_ns(time(1)), 6_000_000_000);
+        assert_eq!(clock.time_ns(time(86_399)), 4_000_000_000);
+    }
+
+    /// Category 001 sends the lower 16 bits: they begin again every 512 s.
+    #[test]
+    fn truncated_times_continue_those_before() {
+        let mut clock = DayClock::new(0);
+        let truncated = |seconds: u32| TimeOfDay { steps: seconds % 512 * 128, period: 1 << 16 };
+        assert_eq!(clock.time_ns(time(40_000)), 40_000_000_000_000);
+        for seconds in [40_001, 40_100, 40_099, 40_350, 40_600, 40_400] {
+            assert_eq!(clock.time_ns(truncated(seconds)), i64::from(seconds) * 1_000_000_000);
+        }
     }
 
     #[test]
     fn midnight_is_passed_forwards_and_backwards() {
         let day_s = 86_400;
         let mut clock = DayClock::new(1_000_000_000);
-        let mut seconds = |time_of_day_s: u32| clock.time_ns(time_of_day_s * 128) / 1_000_000_000 - 1;
+        let mut seconds = |time_of_day_s: u32| clock.time_ns(time(time_of_day_s)) / 1_000_000_000 - 1;
         assert_eq!(seconds(day_s - 1), 86_399);
         assert_eq!(seconds(1), 86_401); // the next day
         assert_eq!(seconds(day_s - 2), 86_398); // late, from before midnight

@@ -1,22 +1,26 @@
 //! What a recording holds, to the byte.
 
 use std::collections::BTreeMap;
-use std::fmt;
+use std::net::SocketAddr;
 
+use asterix::editions::Editions;
+use asterix::recording::Received;
+use asterix::recovery::{Cause, Unused};
+use asterix::report::{Message, SourceId};
+use asterix::{Fault, cat001, cat002, cat010, cat034, cat048};
 use common::health::{Reject, Rejected};
 
-use crate::asterix::Unused;
-use crate::asterix::cat010::{self, Record};
+/// Categories that are read.
+const CATEGORIES: [u8; 5] = [cat001::CATEGORY, cat002::CATEGORY, cat010::CATEGORY, cat034::CATEGORY, cat048::CATEGORY];
 
-/// SAC and SIC of a sensor (I010/010).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct SourceId(pub u16);
+/// The editions of what is read.
+pub fn editions() -> Editions {
+    Editions::default().only(&CATEGORIES)
+}
 
-impl fmt::Display for SourceId {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [sac, sic] = self.0.to_be_bytes();
-        write!(out, "SAC {sac} SIC {sic}")
-    }
+/// The categories that are read, in words.
+fn categories_read() -> String {
+    in_words(CATEGORIES)
 }
 
 /// Counts of all that a recording holds.
@@ -28,6 +32,8 @@ pub struct Contents {
     pub sources: BTreeMap<SourceId, u64>,
     /// Blocks of other categories.
     pub categories: BTreeMap<u8, u64>,
+    /// Datagrams of a capture that are not ASTERIX, by destination.
+    pub foreign: BTreeMap<SocketAddr, u64>,
     /// Bytes that could not be read.
     pub unread_bytes: u64,
     /// How many pieces they were in.
@@ -41,35 +47,39 @@ impl Contents {
     ///
     /// # Errors
     /// The reason.
-    pub fn take(&mut self, record: Result<Record, Unused>, rejected: &mut Rejected) -> Result<Record, Reject> {
-        match &record {
-            Ok(record) => {
+    pub fn take(&mut self, received: Result<Received<'_>, Unused>, rejected: &mut Rejected) -> Result<Message, Reject> {
+        match received {
+            Ok(received) => {
+                let message = Message::of(&received.record).ok_or(Reject::OtherCategory)?;
                 self.records += 1;
-                if let Some(source) = record.source_id {
-                    *self.sources.entry(SourceId(source)).or_default() += 1;
+                if let Some(source) = message.source() {
+                    *self.sources.entry(source).or_default() += 1;
                 }
+                Ok(message)
             }
-            Err(Unused::Category { category, .. }) => *self.categories.entry(*category).or_default() += 1,
-            Err(Unused::Unread { place, .. }) => {
+            Err(Unused::Category { category, .. }) => {
+                *self.categories.entry(category).or_default() += 1;
+                Err(Reject::OtherCategory)
+            }
+            Err(Unused::Unread { place, cause }) => {
                 self.unread_bytes += place.len() as u64;
                 self.unread_places += 1;
                 self.first_unread.get_or_insert(place.start);
                 rejected.count_many(Reject::UnreadByte, place.len() as u64);
+                Err(reason(&cause))
             }
         }
-        record.map_err(|unused| unused.reason())
     }
 
-    /// The categories in words, and which is read: for a file without any record.
+    /// The categories in words, and which are read: for a file without any record.
     pub fn categories_found(&self) -> Option<String> {
-        let names: Vec<String> = self.categories.keys().map(|category| format!("{category:03}")).collect();
-        let (last, others) = names.split_last()?;
-        let found = if others.is_empty() {
-            format!("category {last}")
-        } else {
-            format!("categories {} and {last}", others.join(", "))
+        let found = match self.categories.len() {
+            0 => return None,
+            1 => "category",
+            _ => "categories",
         };
-        Some(format!("{found} found, {:03} supported", cat010::CATEGORY))
+        let categories = in_words(self.categories.keys().copied());
+        Some(format!("{found} {categories} found, {} supported", categories_read()))
     }
 
     /// The sensors in words, with their records.
@@ -80,16 +90,38 @@ impl Contents {
 
     /// What the user should know of the file, one line each.
     pub fn notes(&self) -> Vec<String> {
-        let mut notes: Vec<String> = self
-            .categories
-            .iter()
-            .map(|(category, blocks)| format!("category {category:03}: {blocks} blocks not read"))
-            .collect();
+        let blocks = self.categories.iter();
+        let mut notes: Vec<String> =
+            blocks.map(|(category, blocks)| format!("category {category:03}: {blocks} blocks not read")).collect();
+        let foreign = self.foreign.iter();
+        notes.extend(foreign.map(|(to, datagrams)| format!("{datagrams} datagrams to {to} are not ASTERIX")));
         if let Some(first) = self.first_unread {
             let (bytes, places) = (self.unread_bytes, self.unread_places);
             let place = if places == 1 { "at".to_string() } else { format!("in {places} places, the first at") };
             notes.push(format!("{bytes} bytes could not be read, {place} byte {first}"));
         }
         notes
+    }
+}
+
+/// Why bytes could not be read, as it is counted.
+pub(crate) fn reason(cause: &Cause) -> Reject {
+    match cause {
+        Cause::NoBlock | Cause::Capture(_) => Reject::BadHeader,
+        Cause::Cut => Reject::TruncatedRecord,
+        Cause::Record(error) => match error.fault {
+            Fault::Truncated { .. } => Reject::TruncatedRecord,
+            Fault::UndefinedPosition(_) | Fault::UndefinedPart(_) => Reject::UnknownItem,
+            Fault::LengthZero => Reject::BadHeader,
+        },
+    }
+}
+
+/// `001, 010 and 048`.
+fn in_words(categories: impl IntoIterator<Item = u8>) -> String {
+    let names: Vec<String> = categories.into_iter().map(|category| format!("{category:03}")).collect();
+    match names.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => names.concat(),
     }
 }

@@ -23,7 +23,7 @@ pub enum SourceError {
         name: String,
     },
     /// There is not one readable record in the file.
-    #[error("{} is not an ASTERIX recording with category 010: {found}", path.display())]
+    #[error("{} is not an ASTERIX recording with category 001, 010 or 048: {found}", path.display())]
     NotAsterix {
         /// Which file.
         path: PathBuf,
@@ -38,8 +38,12 @@ pub enum SourceError {
         /// Sensors with their records.
         found: String,
     },
-    /// There is no start-of-update-cycle message, so scans cannot be told apart.
-    #[error("{} holds no start-of-update-cycle message with a time: scans cannot be told apart", path.display())]
+    /// There is nothing to tell scans apart by.
+    #[error(
+        "{} holds no start-of-update-cycle message or north marker with a time, and its reports do not turn evenly: \
+         scans cannot be told apart",
+        path.display()
+    )]
     NoCycle {
         /// Which file.
         path: PathBuf,

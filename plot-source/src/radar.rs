@@ -1,16 +1,19 @@
-//! The radar's recording: target reports and start-of-cycle messages.
+//! The radar's recording: target reports and the messages that say where the antenna is.
 
+use std::f64::consts::TAU;
+
+use asterix::recording::Recording;
+use asterix::report::{Artificial, Message, Service, ServiceMessage, SourceId, TargetReport};
 use common::angle;
-use common::config::SiteConfig;
+use common::config::{PlotSourceConfig, SiteConfig};
 use common::health::{Reject, Rejected};
 
-use crate::asterix::cat010::{MessageType, Record};
-use crate::asterix::records;
 use crate::clock::DayClock;
-use crate::contents::{Contents, SourceId};
+use crate::contents::{Contents, editions};
+use crate::habits::{Habits, RangeRates};
 
 /// One target report: all that a tracker may know of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Default, Clone, Copy, PartialEq)]
 pub struct Report {
     /// Time of the report by the radar's clock, ns since 1970, if it has one.
     pub clock_ns: Option<i64>,
@@ -18,9 +21,17 @@ pub struct Report {
     pub range_m: f64,
     /// Azimuth after registration, rad, in [0, 2π).
     pub azimuth_rad: f64,
+    /// Range rate, m/s, positive when receding, if measured.
+    pub range_rate_mps: Option<f64>,
+    /// Height above the sea, m, if known.
+    pub height_m: Option<f64>,
+    /// Amplitude, dB relative to a reference of the radar, if sent.
+    pub amplitude_db: Option<f64>,
+    /// Simulated, of a test or of a fixed monitor.
+    pub is_artificial: bool,
 }
 
-/// A start-of-cycle message.
+/// A start-of-cycle message: the antenna passes north.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cycle {
     /// Its time by the radar's clock, ns since 1970.
@@ -42,32 +53,47 @@ pub struct RadarRecording {
     pub source: Option<SourceId>,
     /// What was not used.
     pub rejected: Rejected,
+    /// What its range rates mean.
+    pub range_rates: RangeRates,
+    /// Crossings of the first sector: north, where the radar does not say so otherwise.
+    first_sectors: Vec<Cycle>,
 }
 
 /// A recording of several sensors of which none, or more than one, can be the site's: those found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WhichSource(pub String);
 
+/// How reports of a radar are taken.
+struct Intake<'a> {
+    clock: DayClock,
+    config: &'a PlotSourceConfig,
+    azimuth_bias_rad: f64,
+    habits: Habits,
+}
+
 impl RadarRecording {
-    /// Decodes `bytes`, whose first report was made on the day that begins at `midnight_ns`, and takes what comes from
-    /// the sensor that `site` names, or from the only one.
+    /// Decodes `bytes`, whose first report was made on the configured day, and takes what comes from the sensor that
+    /// `site` names, or from the only one.
     ///
     /// # Errors
     /// [`WhichSource`].
     pub fn decode(
         bytes: &[u8],
-        midnight_ns: u64,
+        config: &PlotSourceConfig,
         azimuth_bias_rad: f64,
         site: &SiteConfig,
     ) -> Result<Self, WhichSource> {
         let mut recording = Self::default();
+        let editions = editions();
+        let file = Recording::new(bytes, &editions);
         let mut all = Vec::new();
-        for record in records(bytes) {
+        for record in file.records(&editions) {
             match recording.contents.take(record, &mut recording.rejected) {
-                Ok(record) => all.push(record),
+                Ok(message) => all.push(message),
                 Err(reason) => recording.rejected.count(reason),
             }
         }
+        recording.contents.foreign = file.foreign;
         let own: Vec<SourceId> =
             recording.contents.sources.keys().copied().filter(|&source| is_of(source, site)).collect();
         recording.source = match own[..] {
@@ -75,41 +101,43 @@ impl RadarRecording {
             [] if recording.contents.sources.is_empty() => None,
             _ => return Err(WhichSource(recording.contents.sources_found())),
         };
-        let mut clock = DayClock::new(midnight_ns);
-        for record in all {
+        let mut clock = clock_of(&all, config.midnight_ns());
+        let mut habits = Habits::new(config.sigma_range_m, config.sigma_range_rate_mps);
+        for report in all.iter().filter_map(own_report(recording.source)) {
+            habits.learn(report, report.time_of_day.map(|time_of_day| clock.time_ns(time_of_day)));
+        }
+        recording.range_rates = habits.range_rates();
+        let clock = clock_of(&all, config.midnight_ns());
+        let mut intake = Intake { clock, config, azimuth_bias_rad, habits };
+        for message in all {
             // A record that names no sensor can only be the site's.
-            let is_foreign = record.source_id.is_some_and(|source| recording.source != Some(SourceId(source)));
-            let taken = if is_foreign {
-                Err(Reject::ForeignSource)
-            } else {
-                recording.take(&record, &mut clock, azimuth_bias_rad)
-            };
+            let is_foreign = message.source().is_some_and(|source| recording.source != Some(source));
+            let taken = if is_foreign { Err(Reject::ForeignSource) } else { recording.take(&message, &mut intake) };
             if let Err(reason) = taken {
                 recording.rejected.count(reason);
             }
         }
+        if recording.cycles.is_empty() {
+            recording.cycles = std::mem::take(&mut recording.first_sectors);
+        }
         Ok(recording)
     }
 
-    fn take(&mut self, record: &Record, clock: &mut DayClock, azimuth_bias_rad: f64) -> Result<(), Reject> {
-        match record.message_type {
-            Some(MessageType::TargetReport) => {
-                if record.descriptor.is_some_and(|descriptor| descriptor.fixed_monitor || descriptor.test) {
-                    return Err(Reject::FixedMonitor);
-                }
-                let clock_ns = record.time_of_day.map(|time_of_day| clock.time_ns(time_of_day));
-                let (range_m, azimuth_rad) = record.polar.ok_or(Reject::NoPosition)?;
-                if range_m <= 0.0 {
-                    return Err(Reject::BadPlot);
-                }
-                let azimuth_rad = angle::wrap(azimuth_rad - azimuth_bias_rad);
-                self.reports.push(Report { clock_ns, range_m, azimuth_rad });
+    fn take(&mut self, message: &Message, intake: &mut Intake<'_>) -> Result<(), Reject> {
+        match message {
+            Message::Target(report) => {
+                let report = intake.report(report)?;
+                self.reports.push(report);
             }
-            Some(MessageType::StartOfUpdateCycle) => {
-                let clock_ns = clock.time_ns(record.time_of_day.ok_or(Reject::NoTime)?);
-                self.cycles.push(Cycle { clock_ns, reports_before: self.reports.len() });
+            Message::Service(message) => {
+                let cycles = match message.service {
+                    Service::North => &mut self.cycles,
+                    Service::Sector if is_first_sector(message) => &mut self.first_sectors,
+                    _ => return Err(Reject::NotATarget),
+                };
+                let clock_ns = intake.clock.time_ns(message.time_of_day.ok_or(Reject::NoTime)?);
+                cycles.push(Cycle { clock_ns, reports_before: self.reports.len() });
             }
-            _ => return Err(Reject::NotATarget),
         }
         Ok(())
     }
@@ -121,8 +149,63 @@ impl RadarRecording {
     }
 }
 
+impl Intake<'_> {
+    fn report(&mut self, report: &TargetReport) -> Result<Report, Reject> {
+        let Artificial { simulated, test, monitor } = report.artificial;
+        let config = self.config;
+        if (simulated && !config.use_simulated) || (test && !config.use_test) || (monitor && !config.use_monitors) {
+            return Err(Reject::FixedMonitor);
+        }
+        if self.habits.is_extrapolated(report) {
+            return Err(Reject::NotATarget);
+        }
+        let clock_ns = report.time_of_day.map(|time_of_day| self.clock.time_ns(time_of_day));
+        let (range_m, azimuth_rad) = report.polar.ok_or(Reject::NoPosition)?;
+        if range_m <= 0.0 {
+            return Err(Reject::BadPlot);
+        }
+        Ok(Report {
+            clock_ns,
+            range_m,
+            azimuth_rad: angle::wrap(azimuth_rad - self.azimuth_bias_rad),
+            range_rate_mps: self.habits.range_rates().of(report),
+            height_m: report.height_m.or(report.pressure_height_m),
+            amplitude_db: report.amplitude_db,
+            is_artificial: report.artificial != Artificial::default(),
+        })
+    }
+}
+
+/// The target reports of a sensor, and those that name none.
+fn own_report(source: Option<SourceId>) -> impl Fn(&Message) -> Option<&TargetReport> {
+    move |message| match message {
+        Message::Target(report) if report.source.is_none() || report.source == source => Some(report),
+        _ => None,
+    }
+}
+
+/// A clock that knows the day's time also where the first reports send only a part of it.
+fn clock_of(messages: &[Message], midnight_ns: u64) -> DayClock {
+    let mut times = messages.iter().filter_map(|message| match message {
+        Message::Target(report) => report.time_of_day,
+        Message::Service(message) => message.time_of_day,
+    });
+    let first_whole = times.find(|time| time.period == asterix::report::TimeOfDay::DAY);
+    match first_whole {
+        Some(time) => {
+            let near_ns = DayClock::new(midnight_ns).time_ns(time);
+            DayClock::near(midnight_ns, near_ns)
+        }
+        None => DayClock::new(midnight_ns),
+    }
+}
+
+/// Sector messages name the azimuth at which their sector begins, to 360°/256.
+fn is_first_sector(message: &ServiceMessage) -> bool {
+    message.azimuth_rad.is_some_and(|azimuth_rad| azimuth_rad < 0.5 * TAU / 256.0)
+}
+
 /// Whether a sensor may be that of a site.
-fn is_of(SourceId(source): SourceId, site: &SiteConfig) -> bool {
-    let [sac, sic] = source.to_be_bytes();
-    site.sac.is_none_or(|it| it == sac) && site.sic.is_none_or(|it| it == sic)
+fn is_of(source: SourceId, site: &SiteConfig) -> bool {
+    site.sac.is_none_or(|it| it == source.sac) && site.sic.is_none_or(|it| it == source.sic)
 }

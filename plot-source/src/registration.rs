@@ -7,12 +7,10 @@
 //! The change of frames is (F1), (F2) of [`common::geodesy`]; d: how far the radar sees the centroid of an
 //! aircraft behind its cooperative position. Derivation: `docs/theory/registration.md`.
 
+use asterix::cat010::VELOCITY_STEP_MPS;
 use common::config::{Position, RegistrationConfig};
 use common::geodesy::FrameChange;
 use nalgebra::Vector3;
-
-/// Step of I010/202 in the specification, m/s.
-const SPECIFIED_VELOCITY_STEP_MPS: f64 = 1.0 / 16.0;
 
 /// The registration of one pair of sensors, ready to be applied.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +19,8 @@ pub struct Registration {
     offset_m: Vector3<f64>,
     azimuth_bias_rad: f64,
     centroid_behind_m: f64,
-    velocity_step_mps: f64,
+    /// Step of the sensor's velocity over that of the specification.
+    velocity_scale: f64,
 }
 
 impl Registration {
@@ -42,9 +41,9 @@ impl Registration {
             offset_m: Vector3::new(config.truth_offset_east_m, config.truth_offset_north_m, 0.0),
             azimuth_bias_rad: config.azimuth_bias_deg.to_radians(),
             centroid_behind_m: config.centroid_behind_m,
-            velocity_step_mps: match config.truth_velocity_step_mps {
-                0.0 => SPECIFIED_VELOCITY_STEP_MPS,
-                step => step,
+            velocity_scale: match config.truth_velocity_step_mps {
+                0.0 => 1.0,
+                step_mps => step_mps / VELOCITY_STEP_MPS,
             },
         }
     }
@@ -59,9 +58,9 @@ impl Registration {
         Vector3::from(self.to_radar.position_m([truth_m.0, truth_m.1, 0.0])) + self.offset_m
     }
 
-    /// A velocity of the cooperative sensor (I010/202) in the radar's ENU frame, m/s.
-    pub fn velocity_enu(&self, steps: (i16, i16)) -> Vector3<f64> {
-        Vector3::from(self.to_radar.vector([f64::from(steps.0), f64::from(steps.1), 0.0])) * self.velocity_step_mps
+    /// A velocity of the cooperative sensor (I010/202, m/s by the specification) in the radar's ENU frame, m/s.
+    pub fn velocity_enu(&self, velocity_mps: (f64, f64)) -> Vector3<f64> {
+        Vector3::from(self.to_radar.vector([velocity_mps.0, velocity_mps.1, 0.0])) * self.velocity_scale
     }
 
     /// From an aircraft's cooperative position to the centroid that the radar sees, m, given its heading.

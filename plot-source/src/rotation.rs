@@ -311,7 +311,12 @@ mod tests {
     }
 
     fn report(time_ns: i64) -> Report {
-        Report { clock_ns: Some(time_ns), range_m: 1000.0, azimuth_rad: TAU * (time_ns % T) as f64 / T as f64 }
+        Report {
+            clock_ns: Some(time_ns),
+            range_m: 1000.0,
+            azimuth_rad: TAU * (time_ns % T) as f64 / T as f64,
+            ..Report::default()
+        }
     }
 
     #[test]
@@ -349,7 +354,7 @@ mod tests {
     #[test]
     fn a_report_without_time_has_that_of_the_antenna() {
         let rotations = rotations(&[T, 2 * T, 3 * T], &[]);
-        let timeless = Report { clock_ns: None, range_m: 1000.0, azimuth_rad: TAU / 4.0 };
+        let timeless = Report { clock_ns: None, range_m: 1000.0, azimuth_rad: TAU / 4.0, ..Report::default() };
         assert_eq!(rotations.time_of(0, &timeless), 3 * T + T / 4);
     }
 }

@@ -6,20 +6,27 @@
 
 use std::f64::consts::TAU;
 
-use common::config::PlotSourceConfig;
+use common::config::{PlotSourceConfig, SiteConfig};
 use common::message::{END_OF_SCAN, TRUNCATED};
-use common::plots::{MAX_PLOTS, Plot, PlotsHeader};
+use common::plots::{ARTIFICIAL, HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, MAX_PLOTS, Plot, PlotsHeader};
 use common::units::seconds_between;
+
+use crate::radar::Report;
+
+/// Radius of the earth with which the refraction of a standard atmosphere makes rays straight, m.
+const EARTH_M: f64 = 4.0 / 3.0 * 6_371_000.0;
+/// A height says nothing of the elevation where its error is larger than this, rad.
+const WORST_ELEVATION_RAD: f64 = 0.1;
 
 /// A target report in measurement time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sighting {
     /// When the beam passed the target, ns UTC.
     pub time_ns: u64,
-    /// Slant range, m.
-    pub range_m: f64,
-    /// Azimuth after registration, rad, in [0, 2π).
-    pub azimuth_rad: f64,
+    /// What the radar measured.
+    pub report: Report,
+    /// Decision statistic, if the report has an amplitude.
+    pub statistic: Option<f32>,
 }
 
 /// What all plots of a radar have in common.
@@ -28,11 +35,14 @@ pub struct SectorLayout {
     sectors: u32,
     plot: Plot,
     header: PlotsHeader,
+    sigma_range_rate_mps: f32,
+    sigma_height_m: f64,
+    site_height_m: f64,
 }
 
 impl SectorLayout {
-    /// From the configuration of the radar, which calls itself `source_id` (SAC and SIC).
-    pub fn new(source_id: u32, config: &PlotSourceConfig) -> Self {
+    /// From the configuration of the radar, which calls itself `source_id` (SAC and SIC) and may measure range rates.
+    pub fn new(source_id: u32, config: &PlotSourceConfig, site: &SiteConfig, has_range_rate: bool) -> Self {
         let plot = Plot {
             sigma_range_m: config.sigma_range_m as f32,
             sigma_azimuth_rad: config.sigma_azimuth_deg.to_radians() as f32,
@@ -44,23 +54,65 @@ impl SectorLayout {
             sectors_per_scan: config.sectors_per_scan,
             cell_range_m: config.cell_range_m,
             cell_azimuth_rad: config.cell_azimuth_deg.to_radians(),
+            cell_range_rate_mps: if has_range_rate { config.cell_range_rate_mps } else { 0.0 },
+            pfa: config.pfa,
             source_id,
             ..PlotsHeader::default()
         };
-        Self { sectors: config.sectors_per_scan, plot, header }
+        Self {
+            sectors: config.sectors_per_scan,
+            plot,
+            header,
+            sigma_range_rate_mps: if has_range_rate { config.sigma_range_rate_mps as f32 } else { 0.0 },
+            sigma_height_m: config.sigma_height_m,
+            site_height_m: site.position.map_or(0.0, |position| position.height_m),
+        }
+    }
+
+    /// The plot of a report.
+    fn plot(&self, sighting: &Sighting) -> Plot {
+        let report = &sighting.report;
+        let (range_m, azimuth_rad) = (report.range_m, report.azimuth_rad);
+        let mut plot = Plot { time_ns: sighting.time_ns, range_m, azimuth_rad, ..self.plot };
+        if let Some((elevation_rad, sigma_rad)) = report.height_m.and_then(|height_m| self.elevation(range_m, height_m))
+        {
+            plot.elevation_rad = elevation_rad;
+            plot.sigma_elevation_rad = sigma_rad as f32;
+            plot.flags |= HAS_ELEVATION;
+        }
+        if let Some(range_rate_mps) = report.range_rate_mps.filter(|_| self.sigma_range_rate_mps > 0.0) {
+            plot.range_rate_mps = range_rate_mps;
+            plot.sigma_range_rate_mps = self.sigma_range_rate_mps;
+            plot.flags |= HAS_RANGE_RATE;
+        }
+        if let Some(statistic) = sighting.statistic {
+            plot.statistic = statistic;
+            plot.flags |= HAS_STATISTIC;
+        }
+        if report.is_artificial {
+            plot.flags |= ARTIFICIAL;
+        }
+        plot
+    }
+
+    /// Elevation of a target at a slant range and a height, and its standard error, rad, if heights are used and say it.
+    ///
+    /// ```text
+    /// h − h₀ = r sin ε + r² cos² ε / 2 R,   here with cos ε = 1 in the small last term
+    /// ```
+    fn elevation(&self, range_m: f64, height_m: f64) -> Option<(f64, f64)> {
+        let sin = (height_m - self.site_height_m) / range_m - range_m / (2.0 * EARTH_M);
+        let sigma_rad = self.sigma_height_m / (range_m * (1.0 - sin * sin).sqrt());
+        let is_known = self.sigma_height_m > 0.0 && sigma_rad < WORST_ELEVATION_RAD;
+        is_known.then(|| (sin.asin(), sigma_rad))
     }
 
     /// The messages of scan number `scan`, which lasted over `bounds_ns`, in the order of sectors.
-    pub fn messages(&self, scan: u32, bounds_ns: (u64, u64), reports: &[Sighting]) -> Vec<(PlotsHeader, Vec<Plot>)> {
+    pub fn messages(&self, scan: u32, bounds_ns: (u64, u64), sightings: &[Sighting]) -> Vec<(PlotsHeader, Vec<Plot>)> {
         let mut sectors = vec![Vec::new(); self.sectors as usize];
-        for report in reports {
-            let sector = (report.azimuth_rad / TAU * f64::from(self.sectors)) as usize;
-            sectors[sector.min(self.sectors as usize - 1)].push(Plot {
-                time_ns: report.time_ns,
-                range_m: report.range_m,
-                azimuth_rad: report.azimuth_rad,
-                ..self.plot
-            });
+        for sighting in sightings {
+            let sector = (sighting.report.azimuth_rad / TAU * f64::from(self.sectors)) as usize;
+            sectors[sector.min(self.sectors as usize - 1)].push(self.plot(sighting));
         }
         (0..self.sectors).zip(sectors).map(|(sector, plots)| self.message(scan, sector, bounds_ns, plots)).collect()
     }
@@ -95,12 +147,44 @@ mod tests {
     use super::*;
     use common::config::ChainConfig;
 
+    fn sighting(azimuth_rad: f64) -> Sighting {
+        let report = Report { range_m: 100.0, azimuth_rad, ..Report::default() };
+        Sighting { time_ns: 7, report, statistic: None }
+    }
+
+    /// What a report holds is in its plot and is marked as measured; what it does not hold is neither.
+    #[test]
+    fn everything_measured_is_in_the_plot() {
+        let mut config = ChainConfig::default();
+        config.plot_source.sigma_height_m = 50.0;
+        config.plot_source.sigma_range_rate_mps = 2.0;
+        let layout = SectorLayout::new(7, &config.plot_source, &config.site, true);
+        assert_eq!(layout.plot(&sighting(1.0)).flags, 0);
+        let (range_m, height_m) = (50_000.0, 6_000.0);
+        let mut full = Sighting { statistic: Some(9.0), ..sighting(1.0) };
+        full.report = Report {
+            range_m,
+            range_rate_mps: Some(-120.0),
+            height_m: Some(height_m),
+            is_artificial: true,
+            ..full.report
+        };
+        let plot = layout.plot(&full);
+        assert_eq!(plot.flags, HAS_ELEVATION | HAS_RANGE_RATE | HAS_STATISTIC | ARTIFICIAL);
+        assert_eq!((plot.range_rate_mps, plot.sigma_range_rate_mps, plot.statistic), (-120.0, 2.0, 9.0));
+        // Back to a height over the curved earth: the cosine law of the triangle with the centre of the earth.
+        let above_m = (EARTH_M.powi(2) + range_m.powi(2) + 2.0 * EARTH_M * range_m * plot.elevation_rad.sin()).sqrt();
+        assert!((above_m - EARTH_M - height_m).abs() < 5.0, "{}", above_m - EARTH_M);
+        assert!((f64::from(plot.sigma_elevation_rad) - 50.0 / range_m).abs() < 1e-5);
+        full.report.range_m = 100.0;
+        assert!(!layout.plot(&full).has(HAS_ELEVATION), "a height above the slant range says no elevation");
+    }
+
     #[test]
     fn every_report_is_in_the_sector_of_its_azimuth_and_every_sector_is_there() {
         let config = ChainConfig::default();
-        let layout = SectorLayout::new(7, &config.plot_source);
-        let report = |azimuth_rad| Sighting { time_ns: 7, range_m: 100.0, azimuth_rad };
-        let messages = layout.messages(3, (1_000, 2_000), &[report(TAU - 1e-9), report(0.3), report(0.21)]);
+        let layout = SectorLayout::new(7, &config.plot_source, &config.site, false);
+        let messages = layout.messages(3, (1_000, 2_000), &[TAU - 1e-9, 0.3, 0.21].map(sighting));
         assert_eq!(messages.len(), 32);
         for (index, (header, plots)) in messages.iter().enumerate() {
             assert_eq!((header.seq, header.sector as usize), (96 + index as u64, index));

@@ -11,14 +11,17 @@ use common::process::EXIT_CHECK_BROKEN;
 use common::truth::{MAX_TARGETS, TruthHeader, TruthTarget};
 use common::units::{NS_PER_S, seconds_between};
 
-use crate::asterix::unlike::what_is;
 use crate::contents::Contents;
 use crate::error::SourceError;
+use crate::habits::RangeRates;
+use crate::level::AmplitudeLevel;
 use crate::radar::{RadarRecording, WhichSource};
 use crate::registration::Registration;
 use crate::rotation::Rotations;
 use crate::sectors::{SectorLayout, Sighting};
 use crate::truth::TruthRecording;
+use crate::turning::norths;
+use crate::unlike::what_is;
 
 /// The messages of one scan, in the order of their publication. Sessions and stamps are the shell's.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,15 +88,23 @@ impl Source {
         let bias_rad = Registration::new(&plot_source.registration).azimuth_bias_rad();
         let path = || radar_path.to_path_buf();
         refuse_other_formats(radar_path, radar)?;
-        let recording = RadarRecording::decode(radar, midnight_ns, bias_rad, &config.site)
+        let mut recording = RadarRecording::decode(radar, plot_source, bias_rad, &config.site)
             .map_err(|WhichSource(found)| SourceError::WhichSource { path: path(), found })?;
         refuse_without_records(radar_path, radar, &recording.contents)?;
         let nominal_ns = (plot_source.scan_period_s * NS_PER_S) as i64;
+        let has_norths = !recording.cycles.is_empty();
+        if !has_norths {
+            recording.cycles = norths(&recording.reports, nominal_ns).unwrap_or_default();
+        }
         let errors = (plot_source.sigma_range_m, plot_source.sigma_azimuth_deg.to_radians());
         let rotations = Rotations::new(&recording.cycles, &recording.reports, nominal_ns, errors)
             .ok_or_else(|| SourceError::NoCycle { path: path() })?;
         let mut notes = named(radar_path, recording.contents.notes());
         notes.extend(named(radar_path, about_source(&recording, config)));
+        if !has_norths {
+            let text = "no north markers: the turns are those that times and azimuths of the reports tell";
+            notes.extend(named(radar_path, vec![text.into()]));
+        }
         notes.extend(named(radar_path, about_time(&recording, &rotations, plot_source.scan_period_s)));
         let mut is_sound = recording.contents.unread_bytes == 0;
 
@@ -114,12 +125,14 @@ impl Source {
             None => None,
         };
         let mut reports = Vec::with_capacity(recording.reports.len());
+        let mut level = AmplitudeLevel::new(plot_source.pfa);
         for (index, report) in recording.reports.iter().enumerate() {
             let time_ns = rotations.time_of(index, report);
             match rotations.scan_of(time_ns, report.azimuth_rad) {
                 Some(scan) => {
-                    let (range_m, azimuth_rad) = (report.range_m, report.azimuth_rad);
-                    reports.push((scan as u32, Sighting { time_ns: time_ns.max(0) as u64, range_m, azimuth_rad }));
+                    let statistic = report.amplitude_db.map(|amplitude_db| level.statistic(amplitude_db));
+                    let sighting = Sighting { time_ns: time_ns.max(0) as u64, report: *report, statistic };
+                    reports.push((scan as u32, sighting));
                 }
                 None => rejected.count(Reject::Late),
             }
@@ -127,14 +140,16 @@ impl Source {
         if reports.is_empty() {
             is_sound = false;
             let without = rejected.of(Reject::NoPosition);
-            let found = format!("not one plot; {without} target reports without range and azimuth (I010/040)");
+            let found = format!("not one plot; {without} target reports without range and azimuth (item 040)");
             notes.extend(named(radar_path, vec![found]));
         }
         reports.sort_by_key(|&(scan, _)| scan);
         let available = rotations.scans() as u32;
         let scans = if config.run.scans == 0 { available } else { available.min(config.run.scans) };
-        let source_id = recording.source.map_or(config.site.source_id(), |source| source.0.into());
-        let layout = SectorLayout::new(source_id, plot_source);
+        let source_id = recording.source.map_or(config.site.source_id(), |source| source.number().into());
+        let with_range_rate = recording.reports.iter().filter(|report| report.range_rate_mps.is_some()).count();
+        let has_range_rate = 2 * with_range_rate > recording.reports.len();
+        let layout = SectorLayout::new(source_id, plot_source, &config.site, has_range_rate);
         Ok(Self { layout, rotations, reports, truth, scans, next: 0, rejected, records, notes, is_sound })
     }
 
@@ -215,6 +230,13 @@ fn about_source(recording: &RadarRecording, config: &ChainConfig) -> Vec<String>
         && (config.site.sac.is_none() || config.site.sic.is_none())
     {
         notes.push(format!("taken for the site's: {source} (keys `site.sac` and `site.sic` do not both say)"));
+    }
+    match recording.range_rates {
+        RangeRates::Receding => {}
+        RangeRates::Approaching => {
+            notes.push("range rates are positive for approaching targets, by the ranges: their sign is changed".into());
+        }
+        RangeRates::Unfit => notes.push("range rates do not fit the change of the ranges: they are not used".into()),
     }
     notes
 }

@@ -7,15 +7,15 @@
 
 use std::collections::HashMap;
 
+use asterix::recording::Recording;
+use asterix::report::{Artificial, Message, TargetKind};
 use common::config::PlotSourceConfig;
 use common::health::{Reject, Rejected};
 use common::truth::{AIRBORNE, MODE_UNKNOWN, ON_GROUND, PLANAR, TruthTarget, VEHICLE, VISIBLE};
 use nalgebra::Vector3;
 
-use crate::asterix::cat010::{MessageType, Record, TargetKind};
-use crate::asterix::records;
 use crate::clock::DayClock;
-use crate::contents::Contents;
+use crate::contents::{Contents, editions};
 use crate::registration::Registration;
 
 /// Below this speed the direction of a velocity says nothing of the heading: the last one holds, m/s.
@@ -42,13 +42,16 @@ impl TruthRecording {
             coverage_range_m: config.coverage_range_m,
             headings: HashMap::new(),
         };
-        for record in records(bytes) {
-            let record = recording.contents.take(record, &mut recording.rejected);
-            match record.and_then(|record| decoder.target(&record)) {
+        let editions = editions();
+        let file = Recording::new(bytes, &editions);
+        for record in file.records(&editions) {
+            let message = recording.contents.take(record, &mut recording.rejected);
+            match message.and_then(|message| decoder.target(&message)) {
                 Ok(target) => recording.targets.push(target),
                 Err(reason) => recording.rejected.count(reason),
             }
         }
+        recording.contents.foreign = file.foreign;
         recording.targets.sort_by_key(|target| (target.time_ns, target.target_id));
         recording
     }
@@ -63,28 +66,25 @@ struct Decoder {
 }
 
 impl Decoder {
-    fn target(&mut self, record: &Record) -> Result<TruthTarget, Reject> {
-        if record.message_type != Some(MessageType::TargetReport) {
-            return Err(Reject::NotATarget);
-        }
-        let descriptor = record.descriptor.unwrap_or_default();
-        if descriptor.fixed_monitor || descriptor.test {
+    fn target(&mut self, message: &Message) -> Result<TruthTarget, Reject> {
+        let Message::Target(report) = message else { return Err(Reject::NotATarget) };
+        if report.artificial != Artificial::default() {
             return Err(Reject::FixedMonitor);
         }
-        let target_id = record.address.filter(|&address| address != 0).ok_or(Reject::NoAddress)?;
-        let time_ns = self.clock.time_ns(record.time_of_day.ok_or(Reject::NoTime)?).max(0) as u64;
-        let mut position = self.registration.position_enu(record.cartesian_m.ok_or(Reject::NoPosition)?);
-        let velocity = self.registration.velocity_enu(record.velocity_steps.unwrap_or_default());
+        let target_id = report.address.filter(|&address| address != 0).ok_or(Reject::NoAddress)?;
+        let time_ns = self.clock.time_ns(report.time_of_day.ok_or(Reject::NoTime)?).max(0) as u64;
+        let mut position = self.registration.position_enu(report.cartesian_m.ok_or(Reject::NoPosition)?);
+        let velocity = self.registration.velocity_enu(report.velocity_mps.unwrap_or_default());
         if velocity.norm() > SLOWEST_HEADING_MPS {
             self.headings.insert(target_id, velocity.normalize());
         }
-        if descriptor.kind == TargetKind::Aircraft
+        if report.kind == TargetKind::Aircraft
             && let Some(heading) = self.headings.get(&target_id)
         {
             position += self.registration.centroid_shift_m(heading);
         }
         let visible = if position.xy().norm() <= self.coverage_range_m { VISIBLE } else { 0 };
-        let kind = match (descriptor.kind, descriptor.on_ground) {
+        let kind = match (report.kind, report.on_ground) {
             (TargetKind::GroundVehicle, _) => VEHICLE | ON_GROUND,
             (TargetKind::Undetermined, false) => 0,
             (_, true) => ON_GROUND,

@@ -79,20 +79,21 @@ fn an_unknown_item_costs_the_rest_of_its_block() {
 
 #[test]
 fn other_categories_are_named_and_do_no_harm() {
-    let foreign = block(48, &[0xf0, 1, 2, 3, 4, 5]);
+    let foreign = block(62, &[0xf0, 1, 2, 3, 4, 5]);
     let mixed: Vec<Vec<u8>> =
         Recorder::default().blocks(TURNS).into_iter().flat_map(|own| [own, foreign.clone()]).collect();
     let source = source(&mixed.concat());
     assert!(
-        is_sound(&source) && source.notes() == ["radar.ast: category 048: 60 blocks not read"],
+        is_sound(&source) && source.notes() == ["radar.ast: category 062: 60 blocks not read"],
         "{:?}",
         source.notes()
     );
     assert_eq!(plots(source), PLOTS);
-    let text = refusal(&[foreign, block(34, &[0xe0, 1, 2, 3])].concat());
+    let text = refusal(&[foreign, block(21, &[0xe0, 1, 2, 3])].concat());
     assert_eq!(
         text,
-        "radar.ast is not an ASTERIX recording with category 010: categories 034 and 048 found, 010 supported"
+        "radar.ast is not an ASTERIX recording with category 001, 010 or 048: \
+         categories 021 and 062 found, 001, 002, 010, 034 and 048 supported"
     );
 }
 
@@ -125,8 +126,8 @@ fn the_sensor_of_the_site_is_taken_and_others_are_counted() {
 #[test]
 fn files_of_other_kinds_are_called_by_their_name() {
     let said = |bytes: &[u8], text: &str| assert!(refusal(bytes).ends_with(text), "{}", refusal(bytes));
-    said(&[0x0a, 0x0d, 0x0d, 0x0a, 0x1c, 0, 0, 0], "category 010: it is a pcapng capture");
-    said(b"time_s,range_m,azimuth_deg\n", "category 010: it is a table (CSV)");
+    said(&[0x1f, 0x8b, 8, 0, 0], "category 001, 010 or 048: it is compressed by gzip");
+    said(b"time_s,range_m,azimuth_deg\n", "category 001, 010 or 048: it is a table (CSV)");
     assert!(refusal(b"{\"topic\":\"plots\"}\n").contains("it is JSON lines"));
     let mut chain = chain();
     chain.plot_source.file = "udp://239.1.1.1:8600".into();

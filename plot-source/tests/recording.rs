@@ -4,12 +4,13 @@
 
 use std::path::Path;
 
+use asterix::recovery::{Cause, Unused, records};
+use asterix::report::{Message, Service, SourceId, TargetReport};
 use common::config::{self, ChainConfig};
 use common::health::Reject;
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::truth::{AIRBORNE, ON_GROUND, PLANAR, VEHICLE};
-use plot_source::asterix::cat010::{MessageType, Record};
-use plot_source::asterix::records;
+use plot_source::contents::editions;
 use plot_source::{Source, SourceError};
 use proptest::prelude::*;
 
@@ -35,23 +36,37 @@ fn source(radar: &[u8], truth: Option<&[u8]>) -> Result<Source, SourceError> {
     Source::decode(&chain(), (Path::new("radar.ast"), radar), truth)
 }
 
-fn count(records: &[Record], kind: MessageType) -> usize {
-    records.iter().filter(|record| record.message_type == Some(kind)).count()
+/// All messages of a recording without a bad byte.
+fn messages(bytes: &[u8]) -> Vec<Message> {
+    let editions = editions();
+    let records = records(&editions, bytes, 0).map(|record| record.expect("no record is bad"));
+    records.map(|record| Message::of(&record).expect("a known category")).collect()
+}
+
+fn reports(messages: &[Message]) -> Vec<TargetReport> {
+    let reports = messages.iter().filter_map(|message| match message {
+        Message::Target(report) => Some(*report),
+        Message::Service(_) => None,
+    });
+    reports.collect()
 }
 
 #[test]
 fn every_record_of_the_radar_is_read() {
-    let records: Vec<Record> = records(RADAR).collect::<Result<_, _>>().expect("no record is bad");
-    assert_eq!(records.len(), RADAR_RECORDS);
-    assert_eq!(count(&records, MessageType::StartOfUpdateCycle), RADAR_CYCLES);
-    assert!(records.iter().all(|record| record.source_id == Some(7)));
-    let first = records[0];
-    assert_eq!(first.time_of_day, Some((28_801.562_5 * 128.0) as u32));
+    let messages = messages(RADAR);
+    assert_eq!(messages.len(), RADAR_RECORDS);
+    let is_cycle =
+        |message: &&Message| matches!(message, Message::Service(message) if message.service == Service::North);
+    assert_eq!(messages.iter().filter(is_cycle).count(), RADAR_CYCLES);
+    assert!(messages.iter().all(|message| message.source() == Some(SourceId { sac: 0, sic: 7 })));
+    let reports = reports(&messages);
+    let first = reports[0];
+    assert_eq!(first.time_of_day.map(|time| time.steps), Some((28_801.562_5 * 128.0) as u32));
     let (range_m, azimuth_rad) = first.polar.expect("a position");
     assert!((range_m - 1059.0).abs() < 1e-9 && (azimuth_rad.to_degrees() - 15.62).abs() < 0.01);
     // Polar and Cartesian position of a record are the same place, to rounding.
-    for record in &records {
-        if let (Some((range_m, azimuth_rad)), Some((x_m, y_m))) = (record.polar, record.cartesian_m) {
+    for report in &reports {
+        if let (Some((range_m, azimuth_rad)), Some((x_m, y_m))) = (report.polar, report.cartesian_m) {
             let (sin, cos) = azimuth_rad.sin_cos();
             assert!((range_m * sin - x_m).hypot(range_m * cos - y_m) < 1.5);
         }
@@ -60,11 +75,11 @@ fn every_record_of_the_radar_is_read() {
 
 #[test]
 fn every_record_of_the_multilateration_is_read() {
-    let records: Vec<Record> = records(TRUTH).collect::<Result<_, _>>().expect("no record is bad");
-    assert_eq!(records.len(), TRUTH_RECORDS);
-    let callsigns: Vec<&[u8; 8]> = records.iter().filter_map(|record| record.callsign.as_ref()).collect();
-    assert!(callsigns.contains(&b"RYR63GY "), "{callsigns:?}");
-    assert!(records.iter().all(|record| record.source_id == Some(107)));
+    let messages = messages(TRUTH);
+    assert_eq!(messages.len(), TRUTH_RECORDS);
+    let callsigns: Vec<[u8; 8]> = reports(&messages).iter().filter_map(|report| report.callsign).collect();
+    assert!(callsigns.contains(b"RYR63GY "), "{callsigns:?}");
+    assert!(messages.iter().all(|message| message.source() == Some(SourceId { sac: 0, sic: 107 })));
 }
 
 #[test]
@@ -146,16 +161,17 @@ fn a_cut_recording_yields_everything_before_the_cut() {
     };
     for cut in 0..RADAR.len() {
         let whole = starts.partition_point(|&start| start <= cut) - 1;
-        let (mut read, mut rejected) = (0, Vec::new());
-        for record in records(&RADAR[..cut]) {
+        let (mut read, mut unused) = (0, Vec::new());
+        for record in records(&editions(), &RADAR[..cut], 0) {
             match record {
                 Ok(_) => read += 1,
-                Err(unused) => rejected.push(unused.reason()),
+                Err(cause) => unused.push(cause),
             }
         }
         assert_eq!(read, whole, "cut at {cut}");
         let inside = starts[whole] != cut;
-        assert_eq!(rejected, vec![Reject::TruncatedRecord; usize::from(inside)], "cut at {cut}");
+        assert_eq!(unused.len(), usize::from(inside), "cut at {cut}");
+        assert!(unused.iter().all(|cause| matches!(cause, Unused::Unread { cause: Cause::Cut, .. })), "cut at {cut}");
     }
 }
 

@@ -29,6 +29,20 @@ pub struct PlotSourceConfig {
     pub cell_range_m: f64,
     /// Resolution cell in azimuth, degrees.
     pub cell_azimuth_deg: f64,
+    /// Standard error of the range rate of a plot, m/s, where the radar reports it.
+    pub sigma_range_rate_mps: f64,
+    /// Resolution cell in range rate, m/s, where the radar reports it.
+    pub cell_range_rate_mps: f64,
+    /// Standard error of reported heights, m, above that of `site.position`: they give plots an elevation; 0 leaves them unused.
+    pub sigma_height_m: f64,
+    /// Probability of a false plot per cell, to which amplitudes are related; 0 for unknown.
+    pub pfa: f64,
+    /// Whether reports of simulated targets (SIM) become plots.
+    pub use_simulated: bool,
+    /// Whether reports of test targets (TST) become plots.
+    pub use_test: bool,
+    /// Whether reports of the sensor's fixed monitors (RAB) become plots.
+    pub use_monitors: bool,
     /// `[plot_source.registration]`: the offset between the frames of radar and cooperative sensor.
     pub registration: RegistrationConfig,
 }
@@ -46,6 +60,13 @@ impl Default for PlotSourceConfig {
             sigma_azimuth_deg: 0.1,
             cell_range_m: 6.0,
             cell_azimuth_deg: 0.4,
+            sigma_range_rate_mps: 1.0,
+            cell_range_rate_mps: 2.0,
+            sigma_height_m: 0.0,
+            pfa: 0.0,
+            use_simulated: false,
+            use_test: false,
+            use_monitors: false,
             registration: RegistrationConfig::default(),
         }
     }
@@ -89,6 +110,10 @@ impl PlotSourceConfig {
         positive("plot_source.sigma_azimuth_deg", self.sigma_azimuth_deg)?;
         positive("plot_source.cell_range_m", self.cell_range_m)?;
         positive("plot_source.cell_azimuth_deg", self.cell_azimuth_deg)?;
+        positive("plot_source.sigma_range_rate_mps", self.sigma_range_rate_mps)?;
+        positive("plot_source.cell_range_rate_mps", self.cell_range_rate_mps)?;
+        not_negative("plot_source.sigma_height_m", self.sigma_height_m)?;
+        require("plot_source.pfa", self.pfa, (0.0..0.5).contains(&self.pfa), "a number from 0 to below 0.5")?;
         self.registration.check()
     }
 

@@ -35,6 +35,21 @@ pub(crate) struct Recorder<'a> {
     pub(crate) recorded: &'a dyn Fn(u32) -> bool,
     /// SAC and SIC in every record.
     pub(crate) source: [u8; 2],
+    /// Categories in which the radar speaks.
+    pub(crate) dialect: Dialect,
+    /// Whether there are messages of the antenna.
+    pub(crate) has_service: bool,
+}
+
+/// Categories of reports and of messages of the antenna.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Dialect {
+    /// 010.
+    Surface,
+    /// 048 and 034, with sector messages.
+    Monoradar,
+    /// 001 and 002, whose reports have truncated times.
+    Old,
 }
 
 impl Default for Recorder<'_> {
@@ -45,6 +60,8 @@ impl Default for Recorder<'_> {
             has_times: true,
             recorded: &|_| true,
             source: SOURCE,
+            dialect: Dialect::Surface,
+            has_service: true,
         }
     }
 }
@@ -57,7 +74,9 @@ impl Recorder<'_> {
         for turn in 0..turns {
             let turn_s = (self.turn_s)(turn);
             if (self.recorded)(turn) {
-                blocks.push(self.cycle(north_s));
+                if self.has_service {
+                    blocks.push(self.cycle(north_s));
+                }
                 let mut reports: Vec<(f64, [f64; 2])> =
                     TARGETS.iter().map(|target| meet(target, north_s, turn_s)).collect();
                 reports.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -69,16 +88,37 @@ impl Recorder<'_> {
     }
 
     fn cycle(&self, true_s: f64) -> Vec<u8> {
-        block(10, &[&[0xd0], &self.source[..], &[2], &self.time_of_day(true_s)].concat())
+        let time = self.time_of_day(true_s);
+        match self.dialect {
+            Dialect::Surface => block(10, &[&[0xd0], &self.source[..], &[2], &time].concat()),
+            Dialect::Monoradar => block(34, &[&[0xe0], &self.source[..], &[1], &time].concat()),
+            Dialect::Old => block(2, &[&[0xd0], &self.source[..], &[1], &time].concat()),
+        }
     }
 
     fn report(&self, true_s: f64, [range_m, azimuth_rad]: [f64; 2]) -> Vec<u8> {
+        if self.dialect != Dialect::Surface {
+            return self.monoradar_report(true_s, range_m, azimuth_rad);
+        }
         let range = (range_m.round() as u16).to_be_bytes();
         let azimuth = ((azimuth_rad / TAU * 65_536.0).round() as u32 as u16).to_be_bytes();
         let primary = [0x60];
         let time = if self.has_times { self.time_of_day(true_s).to_vec() } else { Vec::new() };
         let fspec = if self.has_times { [0xf4] } else { [0xe4] };
         block(10, &[&fspec, &self.source[..], &[1], &primary, &time, &range, &azimuth].concat())
+    }
+
+    fn monoradar_report(&self, true_s: f64, range_m: f64, azimuth_rad: f64) -> Vec<u8> {
+        let steps_per_m = if self.dialect == Dialect::Old { 128.0 } else { 256.0 } / 1852.0;
+        let range = ((range_m * steps_per_m).round() as u16).to_be_bytes();
+        let azimuth = ((azimuth_rad / TAU * 65_536.0).round() as u32 as u16).to_be_bytes();
+        let [high, middle, low] = self.time_of_day(true_s);
+        if self.dialect == Dialect::Old {
+            // 010, 020 (a plot of the primary radar), 040, 141
+            return block(1, &[&[0xe2], &self.source[..], &[0x10], &range, &azimuth, &[middle, low]].concat());
+        }
+        // 010, 140, 020 (a plot of the primary radar), 040
+        block(48, &[&[0xf0], &self.source[..], &[high, middle, low], &[0x20], &range, &azimuth].concat())
     }
 
     fn time_of_day(&self, true_s: f64) -> [u8; 3] {

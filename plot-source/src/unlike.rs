@@ -1,12 +1,7 @@
-//! Files that are no ASTERIX recording, told by their first bytes.
+//! Files that are no recording of a radar, told by their first bytes.
 
 /// First bytes and what begins with them.
-const MAGIC: [(&[u8], &str); 8] = [
-    (&[0x0a, 0x0d, 0x0d, 0x0a], "a pcapng capture"),
-    (&[0xa1, 0xb2, 0xc3, 0xd4], "a pcap capture"),
-    (&[0xd4, 0xc3, 0xb2, 0xa1], "a pcap capture"),
-    (&[0xa1, 0xb2, 0x3c, 0x4d], "a pcap capture"),
-    (&[0x4d, 0x3c, 0xb2, 0xa1], "a pcap capture"),
+const MAGIC: [(&[u8], &str); 3] = [
     (&[0x1f, 0x8b], "compressed by gzip"),
     (&[0x28, 0xb5, 0x2f, 0xfd], "compressed by zstd"),
     (b"\x89MCAP", "a recording of a chain (`radar-chain run --replay FILE` replays it)"),
@@ -36,7 +31,7 @@ mod tests {
 
     #[test]
     fn files_are_told_by_their_first_bytes() {
-        assert_eq!(what_is(&[0x0a, 0x0d, 0x0d, 0x0a, 0, 0, 0, 1]), Some("a pcapng capture"));
+        assert_eq!(what_is(&[0x1f, 0x8b, 8, 0]), Some("compressed by gzip"));
         assert_eq!(what_is(b"time_s,range_m\n1,2\n"), Some("a table (CSV)"));
         assert_eq!(what_is(b"root:x:0:0\n"), Some("a text file"));
         assert!(what_is(b"{\"topic\":\"plots\"}\n").is_some_and(|text| text.starts_with("JSON lines")));
