@@ -22,6 +22,7 @@ pub(crate) fn run_stage(name: &str, args: &StageArgs) -> anyhow::Result<ExitCode
         recorder::replay_process::NAME => recorder::replay_process::run(args),
         plot_extractor::process::NAME => plot_extractor::process::run(args),
         tracker::process::NAME => tracker::process::run(args),
+        fusion::process::NAME => fusion::process::run(args),
         recorder::process::NAME => recorder::process::run(args),
         KEEPER => keeper::keep(args),
         other => anyhow::bail!("stage `{other}` is in the table of stages, but this program does not have it"),

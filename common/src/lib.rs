@@ -33,6 +33,7 @@ pub mod realtime;
 pub mod recording;
 pub mod report;
 mod stop;
+pub mod system_tracks;
 pub mod time;
 pub mod topic;
 pub mod topology;

@@ -12,6 +12,7 @@ use crate::health::{Health, HealthHeader};
 use crate::message::{Header, Lineage, Place};
 use crate::plots::{MAX_PLOTS, Plot, PlotsHeader};
 use crate::recording::row::Row;
+use crate::system_tracks::{MAX_SYSTEM_TRACKS, SystemTrack, SystemTracksHeader};
 use crate::topic::{Topic, with_topics};
 use crate::tracks::{MAX_TRACKS, Track, TracksHeader};
 use crate::truth::{MAX_TARGETS, TruthHeader, TruthTarget};

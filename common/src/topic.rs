@@ -19,10 +19,13 @@ macro_rules! with_topics {
                 { QUEUE: 32, SUBSCRIBERS: 5, PUBLISHERS: 2, HISTORY: 0 } from "message.rs" "plots.rs";
             /// Tracks of a sector.
             Tracks("tracks", "tracks/3") TracksHeader, [Track; MAX_TRACKS]
-                { QUEUE: 12, SUBSCRIBERS: 4, PUBLISHERS: 2, HISTORY: 0 } from "message.rs" "tracks.rs";
+                { QUEUE: 12, SUBSCRIBERS: 5, PUBLISHERS: 2, HISTORY: 0 } from "message.rs" "tracks.rs";
             /// True targets of a scan.
             Truth("truth", "truth/1") TruthHeader, [TruthTarget; MAX_TARGETS]
                 { QUEUE: 8, SUBSCRIBERS: 5, PUBLISHERS: 2, HISTORY: 0 } from "truth.rs";
+            /// What several sites together know of targets.
+            SystemTracks("system-tracks", "system-tracks/1") SystemTracksHeader, [SystemTrack; MAX_SYSTEM_TRACKS]
+                { QUEUE: 8, SUBSCRIBERS: 5, PUBLISHERS: 2, HISTORY: 0 } from "system_tracks.rs";
             /// State of a process.
             HealthReports("health", "health/3") HealthHeader, [Health; 1]
                 { QUEUE: 16, SUBSCRIBERS: 12, PUBLISHERS: 16, HISTORY: 1 } from "label.rs" "health.rs";

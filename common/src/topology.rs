@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! radar-sim ──dwells──▶ plot-extractor ──plots──▶ tracker ──tracks──▶ recorder
-//!     └──truth───────────────────────────────────────────────────────────▲
+//!     └──truth──────────────────────────────────────────────┬────────────▲
+//!                                       other sites ──tracks─▶ fusion ───┘
 //! plot-source, replay, a program of the user's: any of these topics ──────┘
 //! ```
 //!
@@ -62,7 +63,7 @@ const fn always(topic: Topic) -> Input {
 }
 
 /// All stages, upstream first.
-pub const STAGES: [Stage; 6] = [
+pub const STAGES: [Stage; 7] = [
     Stage {
         name: "radar-sim",
         role: Role::Source(Source::RadarSim),
@@ -81,6 +82,13 @@ pub const STAGES: [Stage; 6] = [
         inputs: &[],
         outputs: &[Topic::Dwells, Topic::Plots, Topic::Tracks, Topic::Truth],
     },
+    Stage {
+        name: FUSION,
+        role: Role::Source(Source::Fusion),
+        // Of all other sites.
+        inputs: &[always(Topic::Truth), always(Topic::Tracks)],
+        outputs: &[Topic::Tracks, Topic::Truth, Topic::SystemTracks],
+    },
     Stage { name: "plot-extractor", role: Role::Processor, inputs: &[always(Topic::Dwells)], outputs: &[Topic::Plots] },
     Stage { name: "tracker", role: Role::Processor, inputs: &[always(Topic::Plots)], outputs: &[Topic::Tracks] },
     Stage {
@@ -92,12 +100,15 @@ pub const STAGES: [Stage; 6] = [
             Input { topic: Topic::Dwells, required: Required::IfDwellsAreRecorded },
             always(Topic::Plots),
             always(Topic::Tracks),
+            always(Topic::SystemTracks),
             Input { topic: Topic::HealthReports, required: Required::Never },
         ],
         outputs: &[],
     },
 ];
 
+/// Name of the stage that makes the tracks of one site from those of all others.
+pub const FUSION: &str = "fusion";
 /// Name of the recorder.
 pub const RECORDER: &str = "recorder";
 
@@ -115,6 +126,11 @@ impl Stage {
     /// Whether there is one for all sites.
     pub fn is_of_chain(&self) -> bool {
         self.role == Role::Recorder
+    }
+
+    /// Whether what it reads comes from other sites than its own.
+    pub fn reads_other_sites(&self) -> bool {
+        self.name == FUSION
     }
 
     /// Whether publishers of `topic` wait for it in a chain with this configuration.
@@ -169,6 +185,7 @@ pub fn driving(chain: &ChainConfig) -> Topic {
     match chain.run.source {
         Source::RadarSim => Topic::Dwells,
         Source::PlotSource | Source::External => Topic::Plots,
+        Source::Fusion => Topic::Tracks,
         Source::Replay => last_in_processing(&chain.replay.topics),
     }
 }
@@ -188,7 +205,9 @@ pub fn maker(topic: Topic) -> Option<(&'static Stage, Topic)> {
 
 /// The stages of a site that publishers of `topic` wait for, one bit each.
 pub(crate) fn required_consumers(topic: Topic, chain: &ChainConfig) -> u32 {
-    let consumers = stages(chain).into_iter().filter(|stage| stage.requires(topic, chain));
+    let own = stages(chain).into_iter().filter(|stage| !stage.reads_other_sites());
+    let fusion = chain.run.fused.then(|| Stage::from_name(FUSION)).flatten();
+    let consumers = own.chain(fusion).filter(|stage| stage.requires(topic, chain));
     consumers.fold(0, |bits, stage| bits | 1 << stage.number())
 }
 
@@ -207,6 +226,7 @@ mod tests {
         assert_eq!(names(|_| {}), ["radar-sim", "plot-extractor", "tracker", "recorder"]);
         assert_eq!(names(|chain| chain.run.source = Source::PlotSource), ["plot-source", "tracker", "recorder"]);
         assert_eq!(names(|chain| chain.run.source = Source::External), ["tracker", "recorder"]);
+        assert_eq!(names(|chain| chain.run.source = Source::Fusion), ["fusion", "recorder"]);
         let replay = |topics: &[Topic]| {
             names(|chain| (chain.run.source, chain.replay.topics) = (Source::Replay, topics.to_vec()))
         };
@@ -236,6 +256,11 @@ mod tests {
         assert_eq!(required_consumers(Topic::Dwells, &chain), bits(&["plot-extractor"]));
         assert_eq!(required_consumers(Topic::Plots, &chain), bits(&["tracker", "recorder"]));
         assert_eq!(required_consumers(Topic::HealthReports, &chain), 0);
+        chain.run.fused = true;
+        assert_eq!(required_consumers(Topic::Tracks, &chain), bits(&["fusion", "recorder"]));
+        (chain.run.fused, chain.run.source) = (false, Source::Fusion);
+        assert_eq!(required_consumers(Topic::Tracks, &chain), bits(&["recorder"]));
+        chain.run.source = Source::RadarSim;
         chain.recorder.dwells = true;
         assert_eq!(required_consumers(Topic::Dwells, &chain), bits(&["plot-extractor", "recorder"]));
     }

@@ -35,6 +35,9 @@ pub const ESTIMATOR_MULTI_ALTERNATIVE: u16 = 6;
 /// [`Track::estimator`]: correlated acceleration by coordinate, of a bandwidth that adapts.
 pub const ESTIMATOR_ADAPTIVE_BANDWIDTH: u16 = 7;
 
+/// [`Track::estimator`]: tracks of several sites, fused.
+pub const ESTIMATOR_FUSION: u16 = 100;
+
 /// [`Track::model_kind`]: no model.
 pub const KIND_NONE: u16 = 0;
 /// [`Track::model_kind`]: standing in the air.
@@ -58,6 +61,7 @@ pub fn estimator_name(estimator: u16) -> Option<&'static str> {
         ESTIMATOR_SWITCHING_GRID => Some("switching-grid"),
         ESTIMATOR_MULTI_ALTERNATIVE => Some("multi-alternative"),
         ESTIMATOR_ADAPTIVE_BANDWIDTH => Some("adaptive-bandwidth"),
+        ESTIMATOR_FUSION => Some("fusion"),
         _ => None,
     }
 }

@@ -204,6 +204,55 @@ class TruthTarget(ctypes.Structure):
     ]  # 96 bytes
 
 
+class SiteBias(ctypes.Structure):
+    _fields_ = [
+        ("bias", ctypes.c_float * 4),
+        ("sigma", ctypes.c_float * 4),
+    ]  # 32 bytes
+
+
+class SystemTracksHeader(ctypes.Structure):
+    _fields_ = [
+        ("seq", ctypes.c_uint64),
+        ("session", ctypes.c_uint64),
+        ("time_ns", ctypes.c_uint64),
+        ("tracks_out_ns", ctypes.c_uint64),
+        ("fused_out_ns", ctypes.c_uint64),
+        ("cycle_s", ctypes.c_double),
+        ("flags", ctypes.c_uint32),
+        ("left_out", ctypes.c_uint32),
+        ("sites_heard", ctypes.c_uint32),
+        ("reserved", ctypes.c_uint32),
+        ("biases", SiteBias * 8),
+    ]  # 320 bytes
+
+
+class Contributor(ctypes.Structure):
+    _fields_ = [
+        ("id", ctypes.c_uint64),
+        ("site", ctypes.c_uint32),
+        ("reserved", ctypes.c_uint32),
+    ]  # 16 bytes
+
+
+class SystemTrack(ctypes.Structure):
+    _fields_ = [
+        ("time_ns", ctypes.c_uint64),
+        ("id", ctypes.c_uint64),
+        ("state", ctypes.c_double * 6),
+        ("covariance", ctypes.c_double * 21),
+        ("latitude_deg", ctypes.c_double),
+        ("longitude_deg", ctypes.c_double),
+        ("height_m", ctypes.c_double),
+        ("manoeuvre_probability", ctypes.c_double),
+        ("contributors", Contributor * 8),
+        ("contributor_count", ctypes.c_uint32),
+        ("coasting", ctypes.c_uint32),
+        ("ended", ctypes.c_uint32),
+        ("reserved", ctypes.c_uint32),
+    ]  # 408 bytes
+
+
 class HealthHeader(ctypes.Structure):
     _fields_ = [
         ("session", ctypes.c_uint64),
@@ -296,6 +345,7 @@ TOPICS = {
     "plots": Topic(PlotsHeader, Plot, "radar/PlotsHeader/2", "radar/Plot/1", 64, "plots/2", 1024),
     "tracks": Topic(TracksHeader, Track, "radar/TracksHeader/2", "radar/Track/3", 64, "tracks/3", 256),
     "truth": Topic(TruthHeader, TruthTarget, "radar/TruthHeader/1", "radar/TruthTarget/1", 64, "truth/1", 1024),
+    "system-tracks": Topic(SystemTracksHeader, SystemTrack, "radar/SystemTracksHeader/1", "radar/SystemTrack/1", 64, "system-tracks/1", 1024),
     "health": Topic(HealthHeader, Health, "radar/HealthHeader/1", "radar/Health/3", 8, "health/3", 1),
 }
 
@@ -304,7 +354,8 @@ STAGES = {
     "radar-sim": 0,
     "plot-source": 1,
     "replay": 2,
-    "plot-extractor": 3,
-    "tracker": 4,
-    "recorder": 5,
+    "fusion": 3,
+    "plot-extractor": 4,
+    "tracker": 5,
+    "recorder": 6,
 }

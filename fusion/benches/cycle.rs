@@ -51,7 +51,7 @@ fn cycles(name: &str, criterion: &mut Criterion, radars: usize, targets: usize) 
         .collect();
     let work = |fusion: &mut Fusion, (now_ns, reports): &(u64, Vec<(usize, Report)>)| {
         for (site, report) in reports {
-            fusion.take(*site, report);
+            fusion.take(*site, report, report.time_ns);
         }
         fusion.cycle(*now_ns);
         std::hint::black_box(fusion.system_tracks().count());

@@ -134,7 +134,7 @@ struct Local {
 }
 
 struct Waiting {
-    time_ns: u64,
+    made_ns: u64,
     site: u16,
     report: Report,
 }
@@ -193,10 +193,16 @@ impl Fusion {
         }
     }
 
-    /// Takes a report of a site, to be worked in the next cycle.
-    pub fn take(&mut self, site: usize, report: &Report) {
+    /// The same with numbers from `first_id` on.
+    #[must_use]
+    pub fn numbered_from(self, first_id: u64) -> Self {
+        Self { next_id: first_id, ..self }
+    }
+
+    /// Takes a report that a site has made at `made_ns`, measurement time: it is worked in the first cycle that ends then or later.
+    pub fn take(&mut self, site: usize, report: &Report, made_ns: u64) {
         if report.posterior.is_sound() {
-            self.waiting.push(Waiting { time_ns: report.time_ns, site: site as u16, report: *report });
+            self.waiting.push(Waiting { made_ns, site: site as u16, report: *report });
         } else {
             self.sites[site].counts.unusable += 1;
         }
@@ -215,7 +221,7 @@ impl Fusion {
     /// Works the reports that have come, and decides; [`Fusion::system_tracks`] are those at `now_ns` from then on.
     pub fn cycle(&mut self, now_ns: u64) {
         self.free_ended();
-        self.absorb_reports();
+        self.absorb_reports(now_ns);
         let step_s = seconds_between(self.now_ns.unwrap_or(now_ns), now_ns);
         self.now_ns = Some(now_ns);
         self.end_silent(now_ns);
@@ -243,13 +249,13 @@ impl Fusion {
         }
     }
 
-    fn absorb_reports(&mut self) {
-        let waiting = std::mem::take(&mut self.waiting);
+    fn absorb_reports(&mut self, now_ns: u64) {
+        let mut waiting = std::mem::take(&mut self.waiting);
         self.order.clear();
-        self.order.extend(0..waiting.len() as u32);
+        self.order.extend((0..waiting.len() as u32).filter(|&index| waiting[index as usize].made_ns <= now_ns));
         self.order.sort_unstable_by_key(|&index| {
             let of = &waiting[index as usize];
-            (of.time_ns, of.site, of.report.id)
+            (of.report.time_ns, of.site, of.report.id)
         });
         let order = std::mem::take(&mut self.order);
         for &index in &order {
@@ -257,8 +263,8 @@ impl Fusion {
             self.absorb(of.site, &of.report);
         }
         self.order = order;
+        waiting.retain(|of| of.made_ns > now_ns);
         self.waiting = waiting;
-        self.waiting.clear();
     }
 
     fn absorb(&mut self, site: u16, report: &Report) {
@@ -356,6 +362,14 @@ impl Fusion {
         }
     }
 
+    /// Takes a local track out of a system track that has no other, which ends with that.
+    fn leave(&mut self, place: u32) {
+        if let Some(system) = self.locals[place as usize].system {
+            self.detach(place);
+            self.systems[system as usize].alone_since_ns = Some(0);
+        }
+    }
+
     fn attach_to(&mut self, place: u32, system: u32) {
         let local = &mut self.locals[place as usize];
         local.system = Some(system);
@@ -409,7 +423,9 @@ impl Fusion {
         let mut open = std::mem::take(&mut self.open);
         open.clear();
         let locals = self.locals.iter().enumerate();
-        let alone = locals.filter(|(_, local)| local.alive && local.confirmed && local.system.is_none());
+        // One that nobody else has joined may belong to an older system track.
+        let is_open = |local: &Local| local.system.is_none_or(|own| self.systems[own as usize].contributors.len() == 1);
+        let alone = locals.filter(|(_, local)| local.alive && local.confirmed && is_open(local));
         open.extend(alone.map(|(place, local)| (local.site, local.id, place as u32)));
         open.sort_unstable();
         self.fill_grid(now_ns);
@@ -435,7 +451,8 @@ impl Fusion {
             let reach_m = 2.0 * (self.gate * alone.trace()).sqrt();
             for column in self.grid.near([own.mean[0], own.mean[1]], reach_m) {
                 let system = &self.systems[column as usize];
-                if system.contributes(local.site) || system.contributors.len() == CONTRIBUTORS {
+                let is_older = local.system.is_none_or(|own| system.id < self.systems[own as usize].id);
+                if !is_older || system.contributes(local.site) || system.contributors.len() == CONTRIBUTORS {
                     continue;
                 }
                 let other = self.at(&system.state.moments(), system.time_ns, now_ns);
@@ -457,9 +474,10 @@ impl Fusion {
                 let before = local.choice.filter(|choice| choice.0 == column).map_or(0, |choice| choice.1);
                 local.choice = Some((column, before + 1));
                 if before + 1 >= self.settings.attach_after {
+                    self.leave(place);
                     self.attach_to(place, column);
                 }
-            } else {
+            } else if local.system.is_none() {
                 let contested = candidates.iter().any(|of| of.row == row as u32);
                 local.choice = None;
                 local.alone += 1;

@@ -47,7 +47,7 @@ fn scenario(radars: &[[f64; 3]], targets: usize, seed: u64) -> Scenario {
 fn run(world: &mut World, fusion: &mut Fusion, settle: u32, cycles: u32) -> (Score, Outcome) {
     let (mut score, mut outcome) = (Score::default(), Outcome::default());
     for cycle in 0..cycles {
-        world.advance(|site, report| fusion.take(site, &report));
+        world.advance(|site, report| fusion.take(site, &report, report.time_ns));
         fusion.cycle(world.time_ns());
         if cycle >= settle {
             outcome = score.take(world, fusion.system_tracks());

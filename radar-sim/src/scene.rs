@@ -97,6 +97,7 @@ impl Scene {
             let Some(state) = target.at(time_s, &self.radar) else { continue };
             let place = Polar::from_enu(&state.position_m);
             let snr_db = target.snr_db(place.range_m);
+            let place = seen_at(&self.radar, &place);
             let offset = angle::difference(azimuth_rad, place.azimuth_rad);
             if offset.abs() > self.azimuth.reach(snr_db) {
                 continue;
@@ -182,6 +183,15 @@ impl Target {
         // Where the beam would have passed before the start it has not.
         let beside_rad = angle::difference(Polar::from_enu(&state.position_m).azimuth_rad, turn_rate * time_s);
         (beside_rad.abs() < BESIDE_RAD).then_some((time_s, state))
+    }
+}
+
+/// Where a radar with systematic errors sees a place.
+fn seen_at(radar: &RadarConfig, place: &Polar) -> Polar {
+    Polar {
+        range_m: place.range_m + radar.range_bias_m,
+        azimuth_rad: place.azimuth_rad + radar.azimuth_bias_deg.to_radians(),
+        elevation_rad: place.elevation_rad + radar.elevation_bias_deg.to_radians(),
     }
 }
 

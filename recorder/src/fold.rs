@@ -95,7 +95,6 @@ impl Fold {
 
     /// Takes the next message; `recorded_ns` is the processing time at which it was recorded, 0 for one from a file.
     /// Gives the messages that are missing before it and of which no recorded gap tells.
-    #[expect(clippy::match_wildcard_for_single_variants, reason = "a new topic is no matter of this function")]
     pub fn take(&mut self, message: RecordedRef<'_>, recorded_ns: u64) -> Option<Gap> {
         self.books.take(message);
         let Missing { gap, .. } = self.losses.take(message);

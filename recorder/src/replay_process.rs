@@ -31,7 +31,6 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
 ///
 /// # Errors
 /// Recording or shared memory.
-#[expect(clippy::match_wildcard_for_single_variants, reason = "a new topic is no matter of this function")]
 pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     let mut playback = Playback::open(chain).map_err(|error| BadInput(error.to_string()))?;
     let refused = realtime::apply(chain.realtime.of(NAME));

@@ -253,7 +253,8 @@ impl Supervisor {
         let waits = |stage: &Stage| silent(stage).is_none_or(|silent| silent > SUSPICION) || !heard(stage);
         let real_time = self.chain().run.mode == Mode::RealTime;
         let keeps_waiting = |consumer: &Stage, stage: &Stage| {
-            let serves = consumer.id.stage.is_of_chain() || consumer.id.site == stage.id.site;
+            let other = consumer.id.site != stage.id.site;
+            let serves = consumer.id.stage.is_of_chain() || other == consumer.id.stage.reads_other_sites();
             let config = &self.sites.all()[stage.id.site];
             let reads = |topic| consumer.id.stage.requires(topic, config);
             serves
@@ -290,18 +291,19 @@ impl Supervisor {
     }
 
     /// Where a restarted stage goes on: a source with the scan after the last one that
-    /// any process has reported, a tracker with numbers that no track has had.
+    /// any process has reported, a tracker or fusion with numbers that no track has had.
     fn resume_at(&self, stage: &Stage, board: &Board) -> Vec<String> {
         let config = &self.sites.all()[stage.id.site];
+        let mut overrides = Vec::new();
         if stage.id.stage.is_source() {
-            vec![format!("run.first_scan={}", next_scan(board.site_of(&stage.id), config))]
-        } else if stage.id.process() == tracker::process::NAME {
+            overrides.push(format!("run.first_scan={}", next_scan(board.site_of(&stage.id), config)));
+        }
+        if [tracker::process::NAME, fusion::process::NAME].contains(&stage.id.process()) {
             let folder = self.file.parent().unwrap_or(Path::new("."));
             let starts = note_tracker_start(folder, &stage.id.label()).max(u64::from(stage.restarts) + 1);
-            vec![format!("run.first_track={}", config.run.first_track + TRACKS_PER_START * starts)]
-        } else {
-            Vec::new()
+            overrides.push(format!("run.first_track={}", config.run.first_track + TRACKS_PER_START * starts));
         }
+        overrides
     }
 
     /// Asks the sources to end at the next sector; the others follow by themselves.

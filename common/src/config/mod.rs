@@ -10,6 +10,7 @@ mod bank;
 mod budget;
 mod explain;
 mod extractor;
+mod fusion;
 mod ipc;
 mod keys;
 mod load;
@@ -31,6 +32,7 @@ pub use bank::{BandwidthConfig, BankConfig, OutputRule};
 pub use budget::{Budget, BudgetConfig};
 pub use explain::{explained, reference};
 pub use extractor::ExtractorConfig;
+pub use fusion::FusionConfig;
 pub use ipc::IpcConfig;
 pub use load::ConfigError;
 pub use plot_source::*;
@@ -72,6 +74,8 @@ pub struct ChainConfig {
     pub recorder: RecorderConfig,
     /// `[plot_source]`: recordings of real radars.
     pub plot_source: PlotSourceConfig,
+    /// `[fusion]`: tracks of several sites to one set of system tracks.
+    pub fusion: FusionConfig,
     /// `[replay]`: a recording in place of a radar.
     pub replay: ReplayConfig,
     /// `[budget]`: latency limits.
@@ -100,6 +104,7 @@ impl ChainConfig {
         self.tracker.check()?;
         self.recorder.check()?;
         self.plot_source.check()?;
+        self.fusion.check()?;
         self.replay.check()?;
         self.budget.check()?;
         self.supervision.check()?;
@@ -123,6 +128,7 @@ impl ChainConfig {
     pub fn scan_period_s(&self) -> f64 {
         match self.origin() {
             Source::RadarSim => self.radar.scan_period_s,
+            Source::Fusion => self.fusion.cycle_s,
             Source::PlotSource | Source::External | Source::Replay => self.plot_source.scan_period_s,
         }
     }
@@ -131,6 +137,7 @@ impl ChainConfig {
     pub fn sectors_per_scan(&self) -> u32 {
         match self.origin() {
             Source::RadarSim => self.radar.sectors_per_scan,
+            Source::Fusion => self.fusion.sectors,
             Source::PlotSource | Source::External | Source::Replay => self.plot_source.sectors_per_scan,
         }
     }

@@ -43,6 +43,12 @@ pub struct RadarConfig {
     pub doppler_width_mps: f64,
     /// Signal-to-noise ratio of 1 m² at 1 km in the centre of the beam, dB (radar equation).
     pub snr_1m2_1km_db: f64,
+    /// What it measures too much in range, m: a systematic error, for fusion to find.
+    pub range_bias_m: f64,
+    /// The same in azimuth, degrees.
+    pub azimuth_bias_deg: f64,
+    /// The same in elevation, degrees.
+    pub elevation_bias_deg: f64,
 }
 
 impl Default for RadarConfig {
@@ -64,6 +70,9 @@ impl Default for RadarConfig {
             pulse_width_m: 90.0,
             doppler_width_mps: 45.0,
             snr_1m2_1km_db: 62.0,
+            range_bias_m: 0.0,
+            azimuth_bias_deg: 0.0,
+            elevation_bias_deg: 0.0,
         }
     }
 }

@@ -17,6 +17,8 @@ pub enum Source {
     PlotSource,
     /// A recording of this program.
     Replay,
+    /// The tracks of all other sites.
+    Fusion,
     /// A program of the user's that publishes plots.
     External,
 }
@@ -45,7 +47,7 @@ impl Mode {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RunConfig {
-    /// `radar-sim`, `plot-source`, `replay`, or `external`: a program of the user's.
+    /// `radar-sim`, `plot-source`, `replay`, `fusion`: the tracks of all other sites, or `external`: a program of the user's.
     pub source: Source,
     /// `lossless` or `real-time`.
     pub mode: Mode,
@@ -64,6 +66,9 @@ pub struct RunConfig {
     pub seed: u64,
     /// Measurement time of the first scan, s since 1970 (UTC).
     pub epoch_s: u64,
+    /// Whether another site fuses the tracks of this one.
+    #[serde(skip)]
+    pub fused: bool,
 }
 
 impl Default for RunConfig {
@@ -78,6 +83,7 @@ impl Default for RunConfig {
             speed: Speed::Times(1.0),
             seed: 1,
             epoch_s: 1_767_225_600,
+            fused: false,
         }
     }
 }

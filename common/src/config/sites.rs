@@ -17,13 +17,13 @@ use std::path::Path;
 
 use toml::{Table, Value};
 
-use super::ChainConfig;
+use super::{ChainConfig, Source};
 use crate::latency_log;
 
 use super::load::{ConfigError, apply, read, read_text, require};
 
 /// Tables that belong to a site; all others are common to the chain.
-const TABLES_OF_SITE: [&str; 6] = ["radar", "extractor", "tracker", "plot_source", "replay", "budget"];
+const TABLES_OF_SITE: [&str; 7] = ["radar", "extractor", "tracker", "plot_source", "fusion", "replay", "budget"];
 /// The other keys of a site.
 const KEYS_OF_SITE: [&str; 4] = ["name", "sac", "sic", "position"];
 
@@ -198,6 +198,9 @@ pub fn parse_sites(path: &Path, text: &str, overrides: &[String]) -> Result<Site
     if several {
         sites.change(|site| site.sim.origin = site.sim.origin.or(origin));
     }
+    if sites.all().iter().any(|site| site.run.source == Source::Fusion) {
+        sites.change(|site| site.run.fused = site.run.source != Source::Fusion);
+    }
     Ok(sites)
 }
 
@@ -271,15 +274,21 @@ fn check_together(sites: &Sites) -> Result<(), ConfigError> {
         let taken = sites.all()[..index].iter().any(|other| other.site.name == *name);
         require(&format!("site[{index}].name"), name, !taken, "a name that no other site has")?;
         let placed = site.site.position.is_some() || sites.only().is_some();
-        let simulated = site.run.source == super::Source::RadarSim;
+        let simulated = site.run.source == Source::RadarSim;
         require(
             &format!("site[{index}].position"),
             "not given",
             placed || !simulated,
             "a position: all see the same targets",
         )?;
+        let is_fused = sites.all().iter().any(|other| other.run.source == Source::Fusion);
+        let placed = site.site.position.is_some() || !is_fused;
+        require(&format!("site[{index}].position"), "not given", placed, "a position: its tracks are fused")?;
     }
-    Ok(())
+    let fusions = sites.all().iter().filter(|site| site.run.source == Source::Fusion).count();
+    let found = format!("{fusions} sites of {} with `fusion`", sites.all().len());
+    let valid = fusions == 0 || fusions == 1 && sites.all().len() > 1;
+    require("run.source", found, valid, "at most one, beside sites whose tracks it fuses")
 }
 
 /// The beginning of a line that may be any length.

@@ -51,7 +51,9 @@ impl Scoring {
             Source::PlotSource | Source::External => {
                 TrackScore::Cooperative(Box::new(Cooperative::new(&config.recorder.scoring)))
             }
-            Source::RadarSim | Source::Replay => TrackScore::Simulated(Box::new(Simulated::new(config))),
+            Source::RadarSim | Source::Replay | Source::Fusion => {
+                TrackScore::Simulated(Box::new(Simulated::new(config)))
+            }
         };
         Self { plots: PlotScore::new(config), tracks, roster: Roster::new(config.radar.scan_period_s) }
     }
