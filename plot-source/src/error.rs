@@ -17,7 +17,9 @@ pub enum SourceError {
         cause: std::io::Error,
     },
     /// What is named is no file.
-    #[error("key `plot_source.file` is `{name}`, expected the name of a file: sources on a network are not read")]
+    #[error(
+        "key `plot_source.file` is `{name}`, expected the name of a file: key `plot_source.listen` takes sources on a network"
+    )]
     NotAFile {
         /// What was named.
         name: String,

@@ -151,14 +151,7 @@ impl RadarRecording {
 
 impl Intake<'_> {
     fn report(&mut self, report: &TargetReport) -> Result<Report, Reject> {
-        let Artificial { simulated, test, monitor } = report.artificial;
-        let config = self.config;
-        if (simulated && !config.use_simulated) || (test && !config.use_test) || (monitor && !config.use_monitors) {
-            return Err(Reject::FixedMonitor);
-        }
-        if self.habits.is_extrapolated(report) {
-            return Err(Reject::NotATarget);
-        }
+        is_used(report, self.config, &self.habits)?;
         let clock_ns = report.time_of_day.map(|time_of_day| self.clock.time_ns(time_of_day));
         let (range_m, azimuth_rad) = report.polar.ok_or(Reject::NoPosition)?;
         if range_m <= 0.0 {
@@ -205,7 +198,16 @@ fn is_first_sector(message: &ServiceMessage) -> bool {
     message.azimuth_rad.is_some_and(|azimuth_rad| azimuth_rad < 0.5 * TAU / 256.0)
 }
 
+/// Refuses reports of what is not there, as far as the configuration does.
+pub(crate) fn is_used(report: &TargetReport, config: &PlotSourceConfig, habits: &Habits) -> Result<(), Reject> {
+    let Artificial { simulated, test, monitor } = report.artificial;
+    if (simulated && !config.use_simulated) || (test && !config.use_test) || (monitor && !config.use_monitors) {
+        return Err(Reject::FixedMonitor);
+    }
+    if habits.is_extrapolated(report) { Err(Reject::NotATarget) } else { Ok(()) }
+}
+
 /// Whether a sensor may be that of a site.
-fn is_of(source: SourceId, site: &SiteConfig) -> bool {
+pub(crate) fn is_of(source: SourceId, site: &SiteConfig) -> bool {
     site.sac.is_none_or(|it| it == source.sac) && site.sic.is_none_or(|it| it == source.sic)
 }

@@ -121,13 +121,17 @@ class Judge:
         self.differences = []
         self.refused = Counter()
 
-    def ask(self, name, decode, block):
-        """The records of another decoder, which may know less than the specification."""
+    def ask(self, name, decode, block, count):
+        """The records of another decoder, which may know less than the specification: it must find as many."""
         try:
-            return list(decode(block))
+            records = list(decode(block))
         except Exception as error:
             self.refused[f"{name}, category {block[0]:03}: {type(error).__name__}"] += 1
             return []
+        if len(records) != count:
+            self.refused[f"{name}, category {block[0]:03}: another number of records"] += 1
+            return []
+        return records
 
     def differ(self, text):
         self.differences.append(text)
@@ -235,8 +239,8 @@ def compare(judge, program, file):
             theirs = parse(block, category, ours[0]["edition"], ours[0].get("profile"))
             ours += [json.loads(next(lines)) for _ in theirs[1:]]
             counts[category] += len(theirs)
-            messages = judge.ask("pyasteryx", second.decode, block) if category in (48, 62) else []
-            records = judge.ask("aviconv-asterix", aviconv_asterix.iter_records, block) if category in (10, 34, 48, 62) else []
+            messages = judge.ask("pyasteryx", second.decode, block, len(theirs)) if category in (48, 62) else []
+            records = judge.ask("aviconv-asterix", aviconv_asterix.iter_records, block, len(theirs)) if category in (10, 34, 48, 62) else []
             for index, (mine, record) in enumerate(zip(ours, theirs)):
                 where = f"{file.name} byte {mine['offset']} category {category:03}"
                 if mine["category"] != category:
