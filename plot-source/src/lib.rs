@@ -28,6 +28,7 @@ pub mod repeats;
 pub mod rotation;
 pub mod sectors;
 pub mod source;
+pub mod table;
 pub mod truth;
 pub mod turning;
 pub mod unlike;

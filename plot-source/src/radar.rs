@@ -11,6 +11,7 @@ use common::health::{Reject, Rejected};
 use crate::clock::DayClock;
 use crate::contents::{Contents, editions};
 use crate::habits::{Habits, RangeRates};
+use crate::table::Table;
 
 /// One target report: all that a tracker may know of it.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
@@ -121,6 +122,36 @@ impl RadarRecording {
             recording.cycles = std::mem::take(&mut recording.first_sectors);
         }
         Ok(recording)
+    }
+
+    /// The plots of a table, in the order of their times.
+    pub fn of_table(table: &Table, midnight_ns: u64, azimuth_bias_rad: f64) -> Self {
+        let mut reports: Vec<Report> = table
+            .rows
+            .iter()
+            .map(|row| Report {
+                clock_ns: Some(row.time_ns(midnight_ns)),
+                range_m: row.range_m,
+                azimuth_rad: angle::wrap(row.azimuth_deg.to_radians() - azimuth_bias_rad),
+                range_rate_mps: row.range_rate_mps,
+                height_m: row.height_m,
+                amplitude_db: row.amplitude_db,
+                is_artificial: false,
+            })
+            .collect();
+        reports.sort_by_key(|report| report.clock_ns);
+        let contents = Contents { records: reports.len() as u64, ..Contents::default() };
+        Self { reports, contents, ..Self::default() }
+    }
+
+    /// North passages at the pace of the configured turn, for plots whose times and azimuths know of none.
+    pub fn assume_turns(&mut self, turn_ns: i64) {
+        let (first, last) = (self.reports.first(), self.reports.last());
+        let times = first.and_then(|report| report.clock_ns).zip(last.and_then(|report| report.clock_ns));
+        let Some((first_ns, last_ns)) = times else { return };
+        let before = |time_ns: i64| self.reports.partition_point(|report| report.clock_ns < Some(time_ns));
+        let cycles = (first_ns..=last_ns).step_by(turn_ns.max(1) as usize);
+        self.cycles = cycles.map(|clock_ns| Cycle { clock_ns, reports_before: before(clock_ns) }).collect();
     }
 
     fn take(&mut self, message: &Message, intake: &mut Intake<'_>) -> Result<(), Reject> {

@@ -23,6 +23,9 @@ impl Repeats {
     pub fn is_repeated(&mut self, category: u8, octets: &[u8], now_ns: u64) -> bool {
         if now_ns.saturating_sub(self.since_ns) >= KNOWN_NS || self.young.len() >= MOST {
             self.old = std::mem::take(&mut self.young);
+            if now_ns.saturating_sub(self.since_ns) >= 2 * KNOWN_NS {
+                self.old.clear();
+            }
             self.since_ns = now_ns;
         }
         let hash = self.hasher.hash_one((category, octets));
