@@ -8,6 +8,9 @@ pub enum SourceError {
     /// No file is configured.
     #[error("key `plot_source.file` is empty, expected an ASTERIX recording (--set plot_source.file=FILE)")]
     NoFile,
+    /// An edition is configured that is not known.
+    #[error("key `plot_source.editions`: {0}")]
+    Edition(#[from] asterix::editions::EditionError),
     /// The file cannot be read.
     #[error("cannot read {}: {cause}", path.display())]
     Read {

@@ -30,10 +30,10 @@ pub(crate) fn run(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
             BadInput("keys `plot_source.file` and `plot_source.listen` are both set, expected one".into()).into()
         );
     }
+    let mut radar = LiveRadar::new(chain).map_err(|error| BadInput(format!("key `plot_source.editions`: {error}")))?;
     let sockets = open(&chain.plot_source.listen)?;
     let mut outlet = Outlet::open(chain)?;
     outlet.begin()?;
-    let mut radar = LiveRadar::new(chain);
     let clock = Clock::start(chain.run.speed);
     let last_scan = if chain.run.scans == 0 { u32::MAX } else { chain.run.scans - 1 };
     let (mut ears, mut closed) = (Ears::new(sockets), Closed::new());

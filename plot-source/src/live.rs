@@ -11,7 +11,7 @@
 use std::collections::BTreeMap;
 
 use asterix::block::Blocks;
-use asterix::editions::Editions;
+use asterix::editions::{EditionError, Editions};
 use asterix::record::Records;
 use asterix::recovery::Cause;
 use asterix::report::{Artificial, Message, Service, ServiceMessage, SourceId, TargetReport, TimeOfDay};
@@ -40,6 +40,8 @@ const CLOCK_SET_MESSAGES: u32 = 3;
 const DELAY_GROWTH: f64 = 1e-3;
 /// Reports kept to search for the turn of a radar without north markers, and how many searches start after.
 const SEARCHED: usize = 100;
+/// An azimuth at which a sector begins is not before it for the rounding of its angle; a share of a turn.
+const ROUNDING: f64 = 1e-9;
 /// A report farther ahead of the antenna than so many turns is impossible.
 const TURNS_AHEAD: i64 = 2;
 
@@ -104,11 +106,14 @@ struct RadarClock {
 
 impl LiveRadar {
     /// The radar of a configuration.
-    pub fn new(config: &ChainConfig) -> Self {
+    ///
+    /// # Errors
+    /// [`EditionError`]: an edition is configured that is not known.
+    pub fn new(config: &ChainConfig) -> Result<Self, EditionError> {
         let plot_source = &config.plot_source;
         let source = config.site.sac.zip(config.site.sic).map(|(sac, sic)| SourceId { sac, sic });
-        Self {
-            editions: editions(),
+        Ok(Self {
+            editions: editions(plot_source)?,
             source,
             azimuth_bias_rad: Registration::new(&plot_source.registration).azimuth_bias_rad(),
             clock: None,
@@ -128,7 +133,7 @@ impl LiveRadar {
             rejected: Rejected::default(),
             events: Events::default(),
             config: config.clone(),
-        }
+        })
     }
 
     /// What was not used.
@@ -294,7 +299,8 @@ impl LiveRadar {
             self.antenna.fix(fix);
         }
         let turn = self.antenna.turn_of(fix);
-        let sector = self.first_sector(turn) + ((turned * self.sectors as f64) as i64).min(self.sectors - 1);
+        let sector = ((turned + ROUNDING) * self.sectors as f64) as i64;
+        let sector = self.first_sector(turn) + sector.min(self.sectors - 1);
         let next = self.next.ok_or(Reject::Late)?;
         if sector < next {
             return Err(Reject::Late);

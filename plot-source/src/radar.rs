@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use asterix::editions::Editions;
 use asterix::recording::Recording;
 use asterix::report::{Artificial, Message, Service, ServiceMessage, SourceId, TargetReport};
 use common::angle;
@@ -9,7 +10,7 @@ use common::config::{PlotSourceConfig, SiteConfig};
 use common::health::{Reject, Rejected};
 
 use crate::clock::DayClock;
-use crate::contents::{Contents, editions};
+use crate::contents::Contents;
 use crate::habits::{Habits, RangeRates};
 use crate::table::Table;
 
@@ -80,15 +81,15 @@ impl RadarRecording {
     /// [`WhichSource`].
     pub fn decode(
         bytes: &[u8],
+        editions: &Editions,
         config: &PlotSourceConfig,
         azimuth_bias_rad: f64,
         site: &SiteConfig,
     ) -> Result<Self, WhichSource> {
         let mut recording = Self::default();
-        let editions = editions();
-        let file = Recording::new(bytes, &editions);
+        let file = Recording::new(bytes, editions);
         let mut all = Vec::new();
-        for record in file.records(&editions) {
+        for record in file.records(editions) {
             match recording.contents.take(record, &mut recording.rejected) {
                 Ok(message) => all.push(message),
                 Err(reason) => recording.rejected.count(reason),

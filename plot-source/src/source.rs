@@ -11,7 +11,7 @@ use common::process::EXIT_CHECK_BROKEN;
 use common::truth::{MAX_TARGETS, TruthHeader, TruthTarget};
 use common::units::{NS_PER_S, seconds_between};
 
-use crate::contents::Contents;
+use crate::contents::{Contents, editions};
 use crate::error::SourceError;
 use crate::habits::RangeRates;
 use crate::level::AmplitudeLevel;
@@ -88,12 +88,13 @@ impl Source {
         let midnight_ns = plot_source.midnight_ns();
         let bias_rad = Registration::new(&plot_source.registration).azimuth_bias_rad();
         let path = || radar_path.to_path_buf();
+        let editions = editions(plot_source)?;
         let table = Table::of(radar);
         let mut recording = if let Some(table) = &table {
             RadarRecording::of_table(table, midnight_ns, bias_rad)
         } else {
             refuse_other_formats(radar_path, radar)?;
-            let recording = RadarRecording::decode(radar, plot_source, bias_rad, &config.site)
+            let recording = RadarRecording::decode(radar, &editions, plot_source, bias_rad, &config.site)
                 .map_err(|WhichSource(found)| SourceError::WhichSource { path: path(), found })?;
             refuse_without_records(radar_path, radar, &recording.contents)?;
             recording
@@ -135,7 +136,7 @@ impl Source {
             Some((path, bytes)) => {
                 refuse_other_formats(path, bytes)?;
                 let begin_ns = rotations.bounds_ns(0).0 as i64;
-                let recording = TruthRecording::decode(bytes, midnight_ns, begin_ns, plot_source);
+                let recording = TruthRecording::decode(bytes, &editions, midnight_ns, begin_ns, plot_source);
                 refuse_without_records(path, bytes, &recording.contents)?;
                 rejected.add(&recording.rejected);
                 records += recording.contents.records;

@@ -29,6 +29,10 @@ fn live_chain() -> ChainConfig {
     chain
 }
 
+fn listener(chain: &ChainConfig) -> LiveRadar {
+    LiveRadar::new(chain).expect("known editions")
+}
+
 /// Messages with the time at which they were closed, ns.
 type Heard = Vec<(u64, PlotsHeader, Vec<Plot>)>;
 
@@ -94,7 +98,7 @@ fn every_radar_is_heard_in_time() {
                 Recorder { dialect, has_service, sector_messages, turn_s: &|_| turn_s, ..Recorder::default() };
             let mut chain = live_chain();
             chain.plot_source.scan_period_s = 0.8 * turn_s;
-            let mut radar = LiveRadar::new(&chain);
+            let mut radar = listener(&chain);
             let heard = hear(&mut radar, &recorder.timed_blocks(TURNS));
             let case = format!("{dialect:?} {has_service} {sector_messages} {turn_s}: {:?}", radar.events());
             assert_eq!(confirmed(&heard).len(), 5, "{case}");
@@ -117,7 +121,7 @@ fn every_radar_is_heard_in_time() {
 fn plots_are_those_of_the_recording() {
     let recorder = Recorder { dialect: Dialect::Monoradar, ..Recorder::default() };
     let blocks = recorder.timed_blocks(TURNS);
-    let heard = plots(&hear(&mut LiveRadar::new(&live_chain()), &blocks));
+    let heard = plots(&hear(&mut listener(&live_chain()), &blocks));
     let bytes: Vec<u8> = blocks.iter().flat_map(|(_, block)| block.clone()).collect();
     let recorded: Vec<Plot> =
         messages(open(&live_chain(), &bytes).expect("a recording")).flat_map(|(_, plots)| plots).collect();
@@ -129,7 +133,7 @@ fn plots_are_those_of_the_recording() {
 fn doubled_lines_and_malformed_datagrams_change_nothing() {
     let recorder = Recorder { dialect: Dialect::Monoradar, sector_messages: 32, ..Recorder::default() };
     let single = recorder.timed_blocks(TURNS);
-    let alone = hear(&mut LiveRadar::new(&live_chain()), &single);
+    let alone = hear(&mut listener(&live_chain()), &single);
     let mut doubled = single.clone();
     doubled.extend(single.iter().map(|(time_s, datagram)| (time_s + 0.004, datagram.clone())));
     let malformed: [Vec<u8>; 5] = [
@@ -143,7 +147,7 @@ fn doubled_lines_and_malformed_datagrams_change_nothing() {
         doubled.extend(malformed.iter().cycle().skip(index).take(5).map(|datagram| (*time_s, datagram.clone())));
     }
     doubled.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut radar = LiveRadar::new(&live_chain());
+    let mut radar = listener(&live_chain());
     let heard = hear(&mut radar, &doubled);
     assert_eq!(plots(&heard), plots(&alone));
     assert_eq!(radar.events().repeated, single.len() as u64);
@@ -159,15 +163,15 @@ fn what_cannot_be_used_is_counted() {
     let recorder = Recorder { dialect: Dialect::Monoradar, sector_messages: 32, ..Recorder::default() };
     let other = Recorder { source: [3, 9], turn_s: &|_| 1.7, ..recorder };
     let mut datagrams = recorder.timed_blocks(TURNS);
-    let own = hear(&mut LiveRadar::new(&live_chain()), &datagrams);
+    let own = hear(&mut listener(&live_chain()), &datagrams);
     let foreign = other.timed_blocks(10);
     datagrams.extend(foreign.iter().cloned());
     let late = datagrams.iter().position(|(time_s, datagram)| *time_s > 30.0 && datagram[0] == 48).expect("a report");
     datagrams[late].0 += 0.5;
     datagrams.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut radar = LiveRadar::new(&live_chain());
+    let mut radar = listener(&live_chain());
     let before = {
-        let mut radar = LiveRadar::new(&live_chain());
+        let mut radar = listener(&live_chain());
         hear(&mut radar, &recorder.timed_blocks(TURNS));
         radar.rejected().of(Reject::Late)
     };
@@ -186,7 +190,7 @@ fn a_radar_may_stop_and_come_back() {
             let again = Recorder { clock_s: &move |true_s| START_S + true_s + 100.37 + clock_s, ..recorder };
             let mut datagrams = recorder.timed_blocks(40);
             datagrams.extend(again.timed_blocks(40).into_iter().map(|(time_s, block)| (time_s + 100.37, block)));
-            let mut radar = LiveRadar::new(&live_chain());
+            let mut radar = listener(&live_chain());
             let heard = hear(&mut radar, &datagrams);
             let case = format!("{sector_messages} {clock_s}: {:?}", radar.events());
             assert_eq!(confirmed(&heard).len(), 10, "{case}");
@@ -203,7 +207,7 @@ fn a_clock_may_be_set() {
         let clock_s = move |true_s: f64| START_S + true_s + if true_s < 30.0 { 0.0 } else { by_s };
         let recorder =
             Recorder { dialect: Dialect::Monoradar, sector_messages: 32, clock_s: &clock_s, ..Recorder::default() };
-        let mut radar = LiveRadar::new(&live_chain());
+        let mut radar = listener(&live_chain());
         let heard = hear(&mut radar, &recorder.timed_blocks(TURNS));
         assert_eq!(confirmed(&heard).len(), 5, "{by_s}: {:?}", radar.events());
         assert_eq!(radar.events().clock_set, 1, "{by_s}: {:?}", radar.events());
@@ -223,9 +227,34 @@ fn a_turn_may_change() {
         };
         let mut chain = live_chain();
         chain.plot_source.scan_period_s = 2.0;
-        let mut radar = LiveRadar::new(&chain);
+        let mut radar = listener(&chain);
         let heard = hear(&mut radar, &recorder.timed_blocks(TURNS));
         assert_eq!(confirmed(&heard).len(), 5, "{sector_messages} {has_service}: {:?}", radar.events());
         assert_eq!(radar.events().moved, 0);
     }
+}
+
+/// Targets exactly where sectors begin are in the sectors that begin there: their reports come after the message.
+#[test]
+fn a_target_where_a_sector_begins_is_not_late() {
+    let recorder = Recorder { dialect: Dialect::Monoradar, sector_messages: 32, ..Recorder::default() };
+    let mut datagrams: Vec<(f64, Vec<u8>)> = recorder.timed_blocks(TURNS);
+    datagrams.retain(|(_, datagram)| datagram[0] == 34);
+    let reports: Vec<(f64, Vec<u8>)> = datagrams
+        .iter()
+        .enumerate()
+        .map(|(index, (time_s, datagram))| {
+            let azimuth = (index % 32 * 2048) as u16;
+            // The time of the message, and 5 km.
+            let report = [&[0xf0, 0, 7][..], &datagram[7..10], &[0x20, 2, 0], &azimuth.to_be_bytes()].concat();
+            (time_s + 0.001, block(48, &report))
+        })
+        .collect();
+    datagrams.extend(reports);
+    datagrams.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut radar = listener(&live_chain());
+    let heard = hear(&mut radar, &datagrams);
+    assert_eq!(plots(&heard).len() as u64 + radar.rejected().of(Reject::Late), u64::from(32 * TURNS));
+    let full = heard.iter().filter(|(_, _, plots)| plots.len() == 1).count();
+    assert!(full >= 32 * (TURNS as usize - 3), "{full} sectors with their plot, {:?}", radar.events());
 }

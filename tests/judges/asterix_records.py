@@ -2,9 +2,10 @@
 """Compares `radar-chain asterix dump` with independent decoders of ASTERIX, value by value.
 
     python3 -m venv venv && venv/bin/pip install libasterix==0.36.3 pyasteryx==0.3.0 aviconv-asterix==0.4.0
-    cargo build --release && cargo build --release -p asterix --example random_records
+    cargo build --release && cargo build --release -p asterix --examples
     venv/bin/python tests/judges/asterix_records.py target/release/radar-chain RECORDING…
     venv/bin/python tests/judges/asterix_records.py target/release/radar-chain --random 10000
+    venv/bin/python tests/judges/asterix_records.py target/release/radar-chain --speed 20000
     venv/bin/python tests/judges/asterix_records.py - --golden 12 FILE > FILE.csv     (tables for asterix/tests/golden.rs)
 
 libasterix knows all categories: every element is compared, its bits and its value. pyasteryx (048, 062) is compared by the
@@ -19,6 +20,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 from collections import Counter
 from pathlib import Path
 
@@ -256,6 +258,22 @@ def compare(judge, program, file):
     print(f"{file.name}: records by category {dict(counts)}")
 
 
+def speed(program, count):
+    """Records of category 048 a second: this decoder to SI units, in its benchmark's words, beside libasterix."""
+    with tempfile.TemporaryDirectory() as folder:
+        generator = program.parent / "examples" / "random_records"
+        subprocess.run([generator, folder, str(count)], check=True)
+        file = next(Path(folder).glob("cat048-*.ast"))
+        every = list(blocks(file.read_bytes()))
+        begin = time.perf_counter()
+        for block in every:
+            parse(block, 48, "1.32", None)
+        theirs = count / (time.perf_counter() - begin)
+        fast = program.parent / "examples" / "decode_speed"
+        ours = float(subprocess.run([fast, file], stdout=subprocess.PIPE, check=True).stdout)
+    print(f"category 048, records a second: ours {ours:.0f}, libasterix {theirs:.0f}, {ours / theirs:.0f} times as many")
+
+
 def golden(file, count):
     """Bits of the elements of the first records by libasterix, as a table."""
     editions = {10: "1.1", 34: "1.29", 48: "1.32"}
@@ -273,11 +291,14 @@ def golden(file, count):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", type=Path, help="radar-chain; the example random_records lies in the folder examples beside it")
+    parser.add_argument("program", type=Path, help="radar-chain; the crate's examples lie in the folder beside it")
     parser.add_argument("recordings", type=Path, nargs="*")
     parser.add_argument("--random", type=int, metavar="N", help="N random records of each category, encoded by the crate")
     parser.add_argument("--golden", type=int, metavar="N", help="print the elements of the first N records of a recording instead")
+    parser.add_argument("--speed", type=int, metavar="N", help="decode N random records of category 048 with both")
     arguments = parser.parse_intermixed_args()
+    if arguments.speed:
+        return speed(arguments.program, arguments.speed)
     if arguments.golden:
         return golden(arguments.recordings[0], arguments.golden)
     judge = Judge()

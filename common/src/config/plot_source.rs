@@ -18,6 +18,8 @@ pub struct PlotSourceConfig {
     pub latency_s: f64,
     /// Time, s, for which reports of a sector are waited for after the message of the radar that the beam has left it.
     pub sector_delay_s: f64,
+    /// Editions of ASTERIX categories where the source does not speak the newest, as `"048=1.32"`.
+    pub editions: Vec<String>,
     /// Recording of a cooperative sensor, for scoring; empty for none.
     pub truth: String,
     /// UTC date of the first report, `YYYY-MM-DD`: reports carry only the time of day.
@@ -59,6 +61,7 @@ impl Default for PlotSourceConfig {
         Self {
             file: String::new(),
             listen: Vec::new(),
+            editions: Vec::new(),
             latency_s: 0.5,
             sector_delay_s: 0.0,
             truth: String::new(),
