@@ -47,7 +47,8 @@ impl Command {
     /// Runs it.
     pub(crate) fn run(&self) -> anyhow::Result<ExitCode> {
         let Self::Dump { source, editions } = self;
-        let editions = chosen(editions)?;
+        let editions = Editions::default().with_named(editions.iter().map(String::as_str));
+        let editions = editions.map_err(|error| BadInput(format!("--edition: {error}")))?;
         let mut dump = Dump { out: BufWriter::new(io::stdout().lock()), tally: Tally::default() };
         let printed = if source.starts_with("udp://") {
             let endpoint: Endpoint = source.parse().map_err(bad_input)?;
@@ -64,16 +65,6 @@ impl Command {
             Ok(()) => Ok(dump.tally.conclude(source)),
         }
     }
-}
-
-/// The newest editions, but for those named.
-fn chosen(named: &[String]) -> Result<Editions, BadInput> {
-    named.iter().try_fold(Editions::default(), |editions, text| {
-        let parts = text.split_once('=').and_then(|(category, number)| Some((category.parse().ok()?, number)));
-        let (category, number) = parts
-            .ok_or_else(|| BadInput(format!("--edition {text}: expected CATEGORY=EDITION, for example 048=1.32")))?;
-        editions.with(category, number).map_err(bad_input)
-    })
 }
 
 fn bad_input(error: impl std::fmt::Display) -> BadInput {

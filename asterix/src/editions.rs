@@ -7,16 +7,22 @@ use crate::tables::ALL;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Editions([Option<&'static Edition>; 256]);
 
-/// There is no table of the edition that was asked for.
+/// Why an edition cannot be spoken.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("category {category:03} edition {number}: not known, expected {known}")]
-pub struct UnknownEdition {
-    /// The category.
-    pub category: u8,
-    /// The edition.
-    pub number: String,
-    /// What is known of the category.
-    pub known: String,
+pub enum EditionError {
+    /// There is no table of it.
+    #[error("category {category:03} edition {number}: not known, expected {known}")]
+    Unknown {
+        /// The category.
+        category: u8,
+        /// The edition.
+        number: String,
+        /// What is known of the category.
+        known: String,
+    },
+    /// The text names none.
+    #[error("`{0}` found, expected CATEGORY=EDITION, for example 048=1.32")]
+    Text(String),
 }
 
 impl Default for Editions {
@@ -34,16 +40,28 @@ impl Editions {
     /// As these, with another edition of a category.
     ///
     /// # Errors
-    /// [`UnknownEdition`].
-    pub fn with(mut self, category: u8, number: &str) -> Result<Self, UnknownEdition> {
+    /// [`EditionError::Unknown`].
+    pub fn with(mut self, category: u8, number: &str) -> Result<Self, EditionError> {
         let known = || ALL.into_iter().filter(|edition| edition.category == category);
         let edition = known().find(|edition| edition.number == number).ok_or_else(|| {
             let numbers: Vec<&str> = known().map(|edition| edition.number).collect();
             let known = if numbers.is_empty() { "another category".into() } else { numbers.join(" or ") };
-            UnknownEdition { category, number: number.into(), known }
+            EditionError::Unknown { category, number: number.into(), known }
         })?;
         self.0[usize::from(category)] = Some(edition);
         Ok(self)
+    }
+
+    /// As these, but for editions that are named as `048=1.32`.
+    ///
+    /// # Errors
+    /// [`EditionError`].
+    pub fn with_named<'a>(self, names: impl IntoIterator<Item = &'a str>) -> Result<Self, EditionError> {
+        names.into_iter().try_fold(self, |editions, name| {
+            let parts = name.split_once('=').and_then(|(category, number)| Some((category.parse().ok()?, number)));
+            let (category, number) = parts.ok_or_else(|| EditionError::Text(name.into()))?;
+            editions.with(category, number)
+        })
     }
 
     /// As these, of some categories only.
@@ -72,5 +90,11 @@ mod tests {
         assert_eq!(editions.of(21), None);
         let error = Editions::default().with(48, "9.9").expect_err("unknown").to_string();
         assert_eq!(error, "category 048 edition 9.9: not known, expected 1.32");
+        let named = Editions::default().with_named(["048=1.32", "034=1.29"]);
+        assert_eq!(named, Ok(Editions::default()));
+        for (name, said) in [("048", "expected CATEGORY=EDITION"), ("021=2.1", "expected another category")] {
+            let error = Editions::default().with_named([name]).expect_err(name).to_string();
+            assert!(error.contains(said), "{error}");
+        }
     }
 }

@@ -34,7 +34,7 @@ fn main() -> anyhow::Result<()> {
     let mut writer = Writer::new(BufWriter::new(File::create(output)?));
     let mut reports = Vec::new();
     let mut lives: HashMap<u16, u64> = HashMap::new();
-    let editions = editions();
+    let editions = editions(&chain.plot_source)?;
     for received in Recording::new(&bytes, &editions).records(&editions).flatten() {
         if let Some(Message::Target(report)) = Message::of(&received.record) {
             reports.extend(own_track(&report, &mut clock, registration, &mut lives));

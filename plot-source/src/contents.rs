@@ -3,19 +3,23 @@
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 
-use asterix::editions::Editions;
+use asterix::editions::{EditionError, Editions};
 use asterix::recording::Received;
 use asterix::recovery::{Cause, Unused};
 use asterix::report::{Message, SourceId};
 use asterix::{Fault, cat001, cat002, cat010, cat034, cat048};
+use common::config::PlotSourceConfig;
 use common::health::{Reject, Rejected};
 
 /// Categories that are read.
 const CATEGORIES: [u8; 5] = [cat001::CATEGORY, cat002::CATEGORY, cat010::CATEGORY, cat034::CATEGORY, cat048::CATEGORY];
 
-/// The editions of what is read.
-pub fn editions() -> Editions {
-    Editions::default().only(&CATEGORIES)
+/// The newest editions of what is read, but for those that are configured.
+///
+/// # Errors
+/// [`EditionError`].
+pub fn editions(config: &PlotSourceConfig) -> Result<Editions, EditionError> {
+    Ok(Editions::default().with_named(config.editions.iter().map(String::as_str))?.only(&CATEGORIES))
 }
 
 /// The categories that are read, in words.

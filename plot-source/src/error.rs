@@ -8,6 +8,9 @@ pub enum SourceError {
     /// No file is configured.
     #[error("key `plot_source.file` is empty, expected an ASTERIX recording (--set plot_source.file=FILE)")]
     NoFile,
+    /// An edition is configured that is not known.
+    #[error("key `plot_source.editions`: {0}")]
+    Edition(#[from] asterix::editions::EditionError),
     /// The file cannot be read.
     #[error("cannot read {}: {cause}", path.display())]
     Read {
@@ -17,7 +20,9 @@ pub enum SourceError {
         cause: std::io::Error,
     },
     /// What is named is no file.
-    #[error("key `plot_source.file` is `{name}`, expected the name of a file: sources on a network are not read")]
+    #[error(
+        "key `plot_source.file` is `{name}`, expected the name of a file: key `plot_source.listen` takes sources on a network"
+    )]
     NotAFile {
         /// What was named.
         name: String,

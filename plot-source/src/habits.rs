@@ -115,6 +115,11 @@ impl Habits {
         self.approaching += u32::from((changed_m + summed_m).abs() <= tolerance_m);
     }
 
+    /// Whether enough is known of range rates, or nothing can be: the radar numbers no tracks.
+    pub fn knows_range_rates(&self) -> bool {
+        self.comparisons >= ENOUGH || (self.tracks.is_empty() && self.detected.is_empty())
+    }
+
     /// What range rates mean, so far.
     pub fn range_rates(&self) -> RangeRates {
         let fits = |agreeing: u32| 4 * self.comparisons <= 5 * agreeing;

@@ -1,4 +1,4 @@
-//! Real plots in place of the simulator: ASTERIX recordings.
+//! Real plots in place of the simulator: ASTERIX recordings, and radars on a network.
 //!
 //! ```text
 //! bytes ──▶ (asterix) ──▶ radar ──▶ rotation ──▶ sectors ──▶ plots
@@ -11,19 +11,24 @@
 //! number, address, velocity or size. Nothing in the bytes can make it fail: what cannot be read is stepped over and
 //! counted to the byte, what cannot be used is counted by reason.
 
+pub mod antenna;
 pub mod clock;
 pub mod contents;
 pub mod continuity;
 pub mod error;
 pub mod habits;
 pub mod level;
+mod listening;
+pub mod live;
 pub mod network;
 pub mod process;
 pub mod radar;
 pub mod registration;
+pub mod repeats;
 pub mod rotation;
 pub mod sectors;
 pub mod source;
+pub mod table;
 pub mod truth;
 pub mod turning;
 pub mod unlike;

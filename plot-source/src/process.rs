@@ -1,17 +1,19 @@
-//! The process `plot-source`: paces the scans of a recording and publishes plots and truth.
+//! The process `plot-source`: publishes plots of a recording, at its pace, or of a radar that it listens to.
 
 use std::process::ExitCode;
 
 use anyhow::Context;
-use common::ipc::Station;
+use common::config::ChainConfig;
+use common::ipc::{Publisher, Station};
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::messages::{Message, Plots, Truth};
 use common::pace::Pace;
+use common::plots::{Plot, PlotsHeader};
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, say, stop_requested};
 use common::realtime;
 use common::time::monotonic_ns;
 
-use crate::Source;
+use crate::{Source, listening};
 
 /// Name of the process.
 pub const NAME: &str = "plot-source";
@@ -20,35 +22,31 @@ pub const NAME: &str = "plot-source";
 /// everything readable has been published.
 ///
 /// # Errors
-/// Configuration, recordings or shared memory.
+/// Configuration, recordings, network or shared memory.
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let chain = args.load()?;
+    if !chain.plot_source.listen.is_empty() {
+        return listening::run(&chain);
+    }
     let mut source = Source::open(&chain).map_err(|error| BadInput(error.to_string()))?;
     let code = source.exit_code();
     if chain.run.first_scan == 0 {
         source.notes().iter().for_each(|note| say(note)); // of the whole file: said once, not at every restart
     }
     source.skip_to(chain.run.first_scan);
-    let refused = realtime::apply(chain.realtime.of(NAME));
-    let station = Station::enter(NAME, &chain)?;
-    let plots = station.publisher::<Plots>(Plots::MOST)?;
-    let truth = station.publisher::<Truth>(Truth::MOST)?;
-    let session = new_session();
-    let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
+    let mut outlet = Outlet::open(&chain)?;
     if chain.run.first_scan == 0 {
-        reporter.health.set_rejected(source.rejected());
+        outlet.reporter.health.set_rejected(source.rejected());
     }
-    reporter.publish()?;
-    plots.wait_for_consumers()?;
+    let truth = outlet.station.publisher::<Truth>(Truth::MOST)?;
+    outlet.begin()?;
     truth.wait_for_consumers()?;
 
     let mut pace = Pace::new(chain.run.speed);
     for scan in source {
         let mut truth_of_scan = scan.truth;
         for (mut header, elements) in scan.plots {
-            pace.wait_until(header.time_ns, || reporter.publish())?;
-            header.session = session;
-            header.lineage.published_before = reporter.health.messages_out;
+            pace.wait_until(header.time_ns, || outlet.reporter.publish())?;
             if stop_requested() {
                 header.flags |= END_OF_STREAM;
             }
@@ -56,35 +54,71 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             if last | header.flags & END_OF_SCAN != 0
                 && let Some((mut truth_header, targets)) = truth_of_scan.take()
             {
-                truth_header.session = session;
+                truth_header.session = outlet.session;
                 truth_header.flags |= last;
                 let published = truth.publish(&truth_header, &targets, |header| header.source_out_ns = monotonic_ns());
                 published.context("publishing truth")?;
-                reporter.health.tracks = targets.len() as u32;
+                outlet.reporter.health.tracks = targets.len() as u32;
             }
-            let published = plots.publish(&header, &elements, |header| {
-                // Without dwells the source and the extractor are one.
-                header.stamps.source_out_ns = monotonic_ns();
-                header.stamps.plots_out_ns = header.stamps.source_out_ns;
-            });
-            published.context("publishing plots")?;
-
-            let health = &mut reporter.health;
-            health.scan = header.scan;
-            health.messages_out += 1;
-            health.elements_out += elements.len() as u64;
-            health.ended = u32::from(last != 0);
-            if last != 0 || reporter.is_due() {
-                reporter.publish()?;
-            }
+            outlet.publish(header, &elements)?;
             if last != 0 {
-                plots.linger();
                 return Ok(code);
             }
         }
     }
     // Started again after the last scan: nothing is left to send.
-    reporter.health.ended = 1;
-    reporter.publish()?;
+    outlet.reporter.health.ended = 1;
+    outlet.reporter.publish()?;
     Ok(code)
+}
+
+/// Where plots leave the process.
+pub(crate) struct Outlet {
+    pub(crate) station: Station,
+    plots: Publisher<Plots>,
+    pub(crate) reporter: HealthReporter,
+    session: u64,
+}
+
+impl Outlet {
+    /// Opens the topics of a chain.
+    pub(crate) fn open(chain: &ChainConfig) -> anyhow::Result<Self> {
+        let refused = realtime::apply(chain.realtime.of(NAME));
+        let station = Station::enter(NAME, chain)?;
+        let plots = station.publisher::<Plots>(Plots::MOST)?;
+        let session = new_session();
+        let reporter = HealthReporter::new(&station, chain, session, refused)?;
+        Ok(Self { station, plots, reporter, session })
+    }
+
+    /// Waits for those who must receive the plots.
+    pub(crate) fn begin(&mut self) -> anyhow::Result<()> {
+        self.reporter.publish()?;
+        Ok(self.plots.wait_for_consumers()?)
+    }
+
+    /// Publishes the plots of a sector; at the end of the stream, waits until they have been taken.
+    pub(crate) fn publish(&mut self, mut header: PlotsHeader, elements: &[Plot]) -> anyhow::Result<()> {
+        header.session = self.session;
+        header.lineage.published_before = self.reporter.health.messages_out;
+        let published = self.plots.publish(&header, elements, |header| {
+            // Without dwells the source and the extractor are one.
+            header.stamps.source_out_ns = monotonic_ns();
+            header.stamps.plots_out_ns = header.stamps.source_out_ns;
+        });
+        published.context("publishing plots")?;
+        let ended = header.flags & END_OF_STREAM != 0;
+        let health = &mut self.reporter.health;
+        health.scan = header.scan;
+        health.messages_out += 1;
+        health.elements_out += elements.len() as u64;
+        health.ended = u32::from(ended);
+        if ended || self.reporter.is_due() {
+            self.reporter.publish()?;
+        }
+        if ended {
+            self.plots.linger();
+        }
+        Ok(())
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use asterix::editions::Editions;
 use asterix::recording::Recording;
 use asterix::report::{Artificial, Message, Service, ServiceMessage, SourceId, TargetReport};
 use common::angle;
@@ -9,8 +10,9 @@ use common::config::{PlotSourceConfig, SiteConfig};
 use common::health::{Reject, Rejected};
 
 use crate::clock::DayClock;
-use crate::contents::{Contents, editions};
+use crate::contents::Contents;
 use crate::habits::{Habits, RangeRates};
+use crate::table::Table;
 
 /// One target report: all that a tracker may know of it.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
@@ -79,15 +81,15 @@ impl RadarRecording {
     /// [`WhichSource`].
     pub fn decode(
         bytes: &[u8],
+        editions: &Editions,
         config: &PlotSourceConfig,
         azimuth_bias_rad: f64,
         site: &SiteConfig,
     ) -> Result<Self, WhichSource> {
         let mut recording = Self::default();
-        let editions = editions();
-        let file = Recording::new(bytes, &editions);
+        let file = Recording::new(bytes, editions);
         let mut all = Vec::new();
-        for record in file.records(&editions) {
+        for record in file.records(editions) {
             match recording.contents.take(record, &mut recording.rejected) {
                 Ok(message) => all.push(message),
                 Err(reason) => recording.rejected.count(reason),
@@ -123,6 +125,36 @@ impl RadarRecording {
         Ok(recording)
     }
 
+    /// The plots of a table, in the order of their times.
+    pub fn of_table(table: &Table, midnight_ns: u64, azimuth_bias_rad: f64) -> Self {
+        let mut reports: Vec<Report> = table
+            .rows
+            .iter()
+            .map(|row| Report {
+                clock_ns: Some(row.time_ns(midnight_ns)),
+                range_m: row.range_m,
+                azimuth_rad: angle::wrap(row.azimuth_deg.to_radians() - azimuth_bias_rad),
+                range_rate_mps: row.range_rate_mps,
+                height_m: row.height_m,
+                amplitude_db: row.amplitude_db,
+                is_artificial: false,
+            })
+            .collect();
+        reports.sort_by_key(|report| report.clock_ns);
+        let contents = Contents { records: reports.len() as u64, ..Contents::default() };
+        Self { reports, contents, ..Self::default() }
+    }
+
+    /// North passages at the pace of the configured turn, for plots whose times and azimuths know of none.
+    pub fn assume_turns(&mut self, turn_ns: i64) {
+        let (first, last) = (self.reports.first(), self.reports.last());
+        let times = first.and_then(|report| report.clock_ns).zip(last.and_then(|report| report.clock_ns));
+        let Some((first_ns, last_ns)) = times else { return };
+        let before = |time_ns: i64| self.reports.partition_point(|report| report.clock_ns < Some(time_ns));
+        let cycles = (first_ns..=last_ns).step_by(turn_ns.max(1) as usize);
+        self.cycles = cycles.map(|clock_ns| Cycle { clock_ns, reports_before: before(clock_ns) }).collect();
+    }
+
     fn take(&mut self, message: &Message, intake: &mut Intake<'_>) -> Result<(), Reject> {
         match message {
             Message::Target(report) => {
@@ -151,14 +183,7 @@ impl RadarRecording {
 
 impl Intake<'_> {
     fn report(&mut self, report: &TargetReport) -> Result<Report, Reject> {
-        let Artificial { simulated, test, monitor } = report.artificial;
-        let config = self.config;
-        if (simulated && !config.use_simulated) || (test && !config.use_test) || (monitor && !config.use_monitors) {
-            return Err(Reject::FixedMonitor);
-        }
-        if self.habits.is_extrapolated(report) {
-            return Err(Reject::NotATarget);
-        }
+        is_used(report, self.config, &self.habits)?;
         let clock_ns = report.time_of_day.map(|time_of_day| self.clock.time_ns(time_of_day));
         let (range_m, azimuth_rad) = report.polar.ok_or(Reject::NoPosition)?;
         if range_m <= 0.0 {
@@ -205,7 +230,16 @@ fn is_first_sector(message: &ServiceMessage) -> bool {
     message.azimuth_rad.is_some_and(|azimuth_rad| azimuth_rad < 0.5 * TAU / 256.0)
 }
 
+/// Refuses reports of what is not there, as far as the configuration does.
+pub(crate) fn is_used(report: &TargetReport, config: &PlotSourceConfig, habits: &Habits) -> Result<(), Reject> {
+    let Artificial { simulated, test, monitor } = report.artificial;
+    if (simulated && !config.use_simulated) || (test && !config.use_test) || (monitor && !config.use_monitors) {
+        return Err(Reject::FixedMonitor);
+    }
+    if habits.is_extrapolated(report) { Err(Reject::NotATarget) } else { Ok(()) }
+}
+
 /// Whether a sensor may be that of a site.
-fn is_of(source: SourceId, site: &SiteConfig) -> bool {
+pub(crate) fn is_of(source: SourceId, site: &SiteConfig) -> bool {
     site.sac.is_none_or(|it| it == source.sac) && site.sic.is_none_or(|it| it == source.sic)
 }

@@ -112,12 +112,21 @@ impl SectorLayout {
         let mut sectors = vec![Vec::new(); self.sectors as usize];
         for sighting in sightings {
             let sector = (sighting.report.azimuth_rad / TAU * f64::from(self.sectors)) as usize;
-            sectors[sector.min(self.sectors as usize - 1)].push(self.plot(sighting));
+            sectors[sector.min(self.sectors as usize - 1)].push(*sighting);
         }
-        (0..self.sectors).zip(sectors).map(|(sector, plots)| self.message(scan, sector, bounds_ns, plots)).collect()
+        let numbered = (0..self.sectors).zip(&sectors);
+        numbered.map(|(sector, sightings)| self.message(scan, sector, bounds_ns, sightings)).collect()
     }
 
-    fn message(&self, scan: u32, sector: u32, bounds_ns: (u64, u64), mut plots: Vec<Plot>) -> (PlotsHeader, Vec<Plot>) {
+    /// The message of one sector of scan number `scan`, which lasts over `bounds_ns`.
+    pub fn message(
+        &self,
+        scan: u32,
+        sector: u32,
+        bounds_ns: (u64, u64),
+        sightings: &[Sighting],
+    ) -> (PlotsHeader, Vec<Plot>) {
+        let mut plots: Vec<Plot> = sightings.iter().map(|sighting| self.plot(sighting)).collect();
         plots.sort_by(|a, b| (a.azimuth_rad, a.range_m).partial_cmp(&(b.azimuth_rad, b.range_m)).expect("no NaN"));
         let left_out = plots.len().saturating_sub(MAX_PLOTS);
         plots.truncate(MAX_PLOTS);

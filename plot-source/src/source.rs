@@ -11,7 +11,7 @@ use common::process::EXIT_CHECK_BROKEN;
 use common::truth::{MAX_TARGETS, TruthHeader, TruthTarget};
 use common::units::{NS_PER_S, seconds_between};
 
-use crate::contents::Contents;
+use crate::contents::{Contents, editions};
 use crate::error::SourceError;
 use crate::habits::RangeRates;
 use crate::level::AmplitudeLevel;
@@ -19,6 +19,7 @@ use crate::radar::{RadarRecording, WhichSource};
 use crate::registration::Registration;
 use crate::rotation::Rotations;
 use crate::sectors::{SectorLayout, Sighting};
+use crate::table::Table;
 use crate::truth::TruthRecording;
 use crate::turning::norths;
 use crate::unlike::what_is;
@@ -87,26 +88,47 @@ impl Source {
         let midnight_ns = plot_source.midnight_ns();
         let bias_rad = Registration::new(&plot_source.registration).azimuth_bias_rad();
         let path = || radar_path.to_path_buf();
-        refuse_other_formats(radar_path, radar)?;
-        let mut recording = RadarRecording::decode(radar, plot_source, bias_rad, &config.site)
-            .map_err(|WhichSource(found)| SourceError::WhichSource { path: path(), found })?;
-        refuse_without_records(radar_path, radar, &recording.contents)?;
+        let editions = editions(plot_source)?;
+        let table = Table::of(radar);
+        let mut recording = if let Some(table) = &table {
+            RadarRecording::of_table(table, midnight_ns, bias_rad)
+        } else {
+            refuse_other_formats(radar_path, radar)?;
+            let recording = RadarRecording::decode(radar, &editions, plot_source, bias_rad, &config.site)
+                .map_err(|WhichSource(found)| SourceError::WhichSource { path: path(), found })?;
+            refuse_without_records(radar_path, radar, &recording.contents)?;
+            recording
+        };
         let nominal_ns = (plot_source.scan_period_s * NS_PER_S) as i64;
         let has_norths = !recording.cycles.is_empty();
         if !has_norths {
             recording.cycles = norths(&recording.reports, nominal_ns).unwrap_or_default();
+        }
+        let assumes_turns = table.is_some() && recording.cycles.is_empty();
+        if assumes_turns {
+            recording.assume_turns(nominal_ns);
         }
         let errors = (plot_source.sigma_range_m, plot_source.sigma_azimuth_deg.to_radians());
         let rotations = Rotations::new(&recording.cycles, &recording.reports, nominal_ns, errors)
             .ok_or_else(|| SourceError::NoCycle { path: path() })?;
         let mut notes = named(radar_path, recording.contents.notes());
         notes.extend(named(radar_path, about_source(&recording, config)));
-        if !has_norths {
+        if assumes_turns {
+            let text = "times and azimuths tell no turn: scans are as long as `plot_source.scan_period_s` says";
+            notes.extend(named(radar_path, vec![text.into()]));
+        } else if !has_norths {
             let text = "no north markers: the turns are those that times and azimuths of the reports tell";
             notes.extend(named(radar_path, vec![text.into()]));
         }
+        let unread = table.and_then(|table| table.unread);
+        if let Some(unread) = &unread {
+            let text =
+                format!("{} lines could not be read, the first is {}: {}", unread.lines, unread.first, unread.why);
+            notes.extend(named(radar_path, vec![text]));
+            recording.rejected.count_many(Reject::BadPlot, unread.lines);
+        }
         notes.extend(named(radar_path, about_time(&recording, &rotations, plot_source.scan_period_s)));
-        let mut is_sound = recording.contents.unread_bytes == 0;
+        let mut is_sound = recording.contents.unread_bytes == 0 && unread.is_none();
 
         let mut rejected = recording.rejected;
         let mut records = recording.contents.records;
@@ -114,7 +136,7 @@ impl Source {
             Some((path, bytes)) => {
                 refuse_other_formats(path, bytes)?;
                 let begin_ns = rotations.bounds_ns(0).0 as i64;
-                let recording = TruthRecording::decode(bytes, midnight_ns, begin_ns, plot_source);
+                let recording = TruthRecording::decode(bytes, &editions, midnight_ns, begin_ns, plot_source);
                 refuse_without_records(path, bytes, &recording.contents)?;
                 rejected.add(&recording.rejected);
                 records += recording.contents.records;

@@ -7,6 +7,7 @@
 
 use std::collections::HashMap;
 
+use asterix::editions::Editions;
 use asterix::recording::Recording;
 use asterix::report::{Artificial, Message, TargetKind};
 use common::config::PlotSourceConfig;
@@ -15,7 +16,7 @@ use common::truth::{AIRBORNE, MODE_UNKNOWN, ON_GROUND, PLANAR, TruthTarget, VEHI
 use nalgebra::Vector3;
 
 use crate::clock::DayClock;
-use crate::contents::{Contents, editions};
+use crate::contents::Contents;
 use crate::registration::Registration;
 
 /// Below this speed the direction of a velocity says nothing of the heading: the last one holds, m/s.
@@ -34,7 +35,13 @@ pub struct TruthRecording {
 
 impl TruthRecording {
     /// Decodes `bytes`, a recording that began within half a day of `near_ns`.
-    pub fn decode(bytes: &[u8], midnight_ns: u64, near_ns: i64, config: &PlotSourceConfig) -> Self {
+    pub fn decode(
+        bytes: &[u8],
+        editions: &Editions,
+        midnight_ns: u64,
+        near_ns: i64,
+        config: &PlotSourceConfig,
+    ) -> Self {
         let mut recording = Self::default();
         let mut decoder = Decoder {
             clock: DayClock::near(midnight_ns, near_ns),
@@ -42,9 +49,8 @@ impl TruthRecording {
             coverage_range_m: config.coverage_range_m,
             headings: HashMap::new(),
         };
-        let editions = editions();
-        let file = Recording::new(bytes, &editions);
-        for record in file.records(&editions) {
+        let file = Recording::new(bytes, editions);
+        for record in file.records(editions) {
             let message = recording.contents.take(record, &mut recording.rejected);
             match message.and_then(|message| decoder.target(&message)) {
                 Ok(target) => recording.targets.push(target),

@@ -104,3 +104,29 @@ fn artificial_reports_are_dropped_or_marked() {
     chain.plot_source.use_monitors = true;
     assert_eq!(plots(&chain), (0, 3));
 }
+
+/// The plots of a radar as a table give the tracks of its recording; so do those of which only the scan's time is known.
+#[test]
+fn tables_of_plots_give_the_same_tracks() {
+    let bytes = Recorder::default().blocks(TURNS).concat();
+    let plots: Vec<_> = messages(open(&chain(), &bytes).expect("a recording")).flat_map(|(_, plots)| plots).collect();
+    let table = |time_s: fn(f64) -> f64| {
+        let rows = plots.iter().map(|plot| {
+            let time_s = time_s((plot.time_ns - synthetic::MIDNIGHT_NS) as f64 * 1e-9);
+            format!("{time_s},{},{}\n", plot.range_m, plot.azimuth_rad.to_degrees())
+        });
+        format!("time_s,range_m,azimuth_deg\n{}", rows.collect::<String>())
+    };
+    for (time_s, note) in [(|time_s| time_s, "no north markers"), (f64::floor, "times and azimuths tell no turn")]
+        as [(fn(f64) -> f64, &str); 2]
+    {
+        let source = open(&chain(), table(time_s).as_bytes()).expect("a table");
+        assert!(source.notes().iter().any(|text| text.contains(note)), "{:?}", source.notes());
+        assert!(source.exit_code() == std::process::ExitCode::SUCCESS);
+        assert_eq!(confirmed(source, &TrackerConfig::default()).len(), 5, "{note}");
+    }
+    let damaged = table(|time_s| time_s).replacen(",9", ",x", 1);
+    let source = open(&chain(), damaged.as_bytes()).expect("a table");
+    assert!(source.notes().iter().any(|note| note.contains("1 lines could not be read")), "{:?}", source.notes());
+    assert_eq!(source.rejected().of(common::health::Reject::BadPlot), 1);
+}

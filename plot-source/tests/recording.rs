@@ -4,13 +4,13 @@
 
 use std::path::Path;
 
+use asterix::editions::Editions;
 use asterix::recovery::{Cause, Unused, records};
 use asterix::report::{Message, Service, SourceId, TargetReport};
 use common::config::{self, ChainConfig};
 use common::health::Reject;
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::truth::{AIRBORNE, ON_GROUND, PLANAR, VEHICLE};
-use plot_source::contents::editions;
 use plot_source::{Source, SourceError};
 use proptest::prelude::*;
 
@@ -38,7 +38,7 @@ fn source(radar: &[u8], truth: Option<&[u8]>) -> Result<Source, SourceError> {
 
 /// All messages of a recording without a bad byte.
 fn messages(bytes: &[u8]) -> Vec<Message> {
-    let editions = editions();
+    let editions = Editions::default();
     let records = records(&editions, bytes, 0).map(|record| record.expect("no record is bad"));
     records.map(|record| Message::of(&record).expect("a known category")).collect()
 }
@@ -162,7 +162,7 @@ fn a_cut_recording_yields_everything_before_the_cut() {
     for cut in 0..RADAR.len() {
         let whole = starts.partition_point(|&start| start <= cut) - 1;
         let (mut read, mut unused) = (0, Vec::new());
-        for record in records(&editions(), &RADAR[..cut], 0) {
+        for record in records(&Editions::default(), &RADAR[..cut], 0) {
             match record {
                 Ok(_) => read += 1,
                 Err(cause) => unused.push(cause),

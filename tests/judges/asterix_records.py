@@ -2,9 +2,10 @@
 """Compares `radar-chain asterix dump` with independent decoders of ASTERIX, value by value.
 
     python3 -m venv venv && venv/bin/pip install libasterix==0.36.3 pyasteryx==0.3.0 aviconv-asterix==0.4.0
-    cargo build --release && cargo build --release -p asterix --example random_records
+    cargo build --release && cargo build --release -p asterix --examples
     venv/bin/python tests/judges/asterix_records.py target/release/radar-chain RECORDING…
     venv/bin/python tests/judges/asterix_records.py target/release/radar-chain --random 10000
+    venv/bin/python tests/judges/asterix_records.py target/release/radar-chain --speed 20000
     venv/bin/python tests/judges/asterix_records.py - --golden 12 FILE > FILE.csv     (tables for asterix/tests/golden.rs)
 
 libasterix knows all categories: every element is compared, its bits and its value. pyasteryx (048, 062) is compared by the
@@ -19,6 +20,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 from collections import Counter
 from pathlib import Path
 
@@ -121,13 +123,17 @@ class Judge:
         self.differences = []
         self.refused = Counter()
 
-    def ask(self, name, decode, block):
-        """The records of another decoder, which may know less than the specification."""
+    def ask(self, name, decode, block, count):
+        """The records of another decoder, which may know less than the specification: it must find as many."""
         try:
-            return list(decode(block))
+            records = list(decode(block))
         except Exception as error:
             self.refused[f"{name}, category {block[0]:03}: {type(error).__name__}"] += 1
             return []
+        if len(records) != count:
+            self.refused[f"{name}, category {block[0]:03}: another number of records"] += 1
+            return []
+        return records
 
     def differ(self, text):
         self.differences.append(text)
@@ -235,8 +241,8 @@ def compare(judge, program, file):
             theirs = parse(block, category, ours[0]["edition"], ours[0].get("profile"))
             ours += [json.loads(next(lines)) for _ in theirs[1:]]
             counts[category] += len(theirs)
-            messages = judge.ask("pyasteryx", second.decode, block) if category in (48, 62) else []
-            records = judge.ask("aviconv-asterix", aviconv_asterix.iter_records, block) if category in (10, 34, 48, 62) else []
+            messages = judge.ask("pyasteryx", second.decode, block, len(theirs)) if category in (48, 62) else []
+            records = judge.ask("aviconv-asterix", aviconv_asterix.iter_records, block, len(theirs)) if category in (10, 34, 48, 62) else []
             for index, (mine, record) in enumerate(zip(ours, theirs)):
                 where = f"{file.name} byte {mine['offset']} category {category:03}"
                 if mine["category"] != category:
@@ -250,6 +256,22 @@ def compare(judge, program, file):
     if left:
         judge.differ(f"{file.name}: {left} records that libasterix does not have")
     print(f"{file.name}: records by category {dict(counts)}")
+
+
+def speed(program, count):
+    """Records of category 048 a second: this decoder to SI units, in its benchmark's words, beside libasterix."""
+    with tempfile.TemporaryDirectory() as folder:
+        generator = program.parent / "examples" / "random_records"
+        subprocess.run([generator, folder, str(count)], check=True)
+        file = next(Path(folder).glob("cat048-*.ast"))
+        every = list(blocks(file.read_bytes()))
+        begin = time.perf_counter()
+        for block in every:
+            parse(block, 48, "1.32", None)
+        theirs = count / (time.perf_counter() - begin)
+        fast = program.parent / "examples" / "decode_speed"
+        ours = float(subprocess.run([fast, file], stdout=subprocess.PIPE, check=True).stdout)
+    print(f"category 048, records a second: ours {ours:.0f}, libasterix {theirs:.0f}, {ours / theirs:.0f} times as many")
 
 
 def golden(file, count):
@@ -269,11 +291,14 @@ def golden(file, count):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", type=Path, help="radar-chain; the example random_records lies in the folder examples beside it")
+    parser.add_argument("program", type=Path, help="radar-chain; the crate's examples lie in the folder beside it")
     parser.add_argument("recordings", type=Path, nargs="*")
     parser.add_argument("--random", type=int, metavar="N", help="N random records of each category, encoded by the crate")
     parser.add_argument("--golden", type=int, metavar="N", help="print the elements of the first N records of a recording instead")
+    parser.add_argument("--speed", type=int, metavar="N", help="decode N random records of category 048 with both")
     arguments = parser.parse_intermixed_args()
+    if arguments.speed:
+        return speed(arguments.program, arguments.speed)
     if arguments.golden:
         return golden(arguments.recordings[0], arguments.golden)
     judge = Judge()

@@ -11,6 +11,15 @@ use super::load::{ConfigError, not_negative, positive, require, within};
 pub struct PlotSourceConfig {
     /// Recording of the radar.
     pub file: String,
+    /// Where a radar is listened to instead: `udp://ADDRESS:PORT`, or `udp://GROUP:PORT?interface=NAME`; of a record that
+    /// arrives at several of them, or twice, the first is taken.
+    pub listen: Vec<String>,
+    /// A sector is closed this long, s, after the beam must have left it, if no message of the radar has closed it before.
+    pub latency_s: f64,
+    /// Time, s, for which reports of a sector are waited for after the message of the radar that the beam has left it.
+    pub sector_delay_s: f64,
+    /// Editions of ASTERIX categories where the source does not speak the newest, as `"048=1.32"`.
+    pub editions: Vec<String>,
     /// Recording of a cooperative sensor, for scoring; empty for none.
     pub truth: String,
     /// UTC date of the first report, `YYYY-MM-DD`: reports carry only the time of day.
@@ -51,6 +60,10 @@ impl Default for PlotSourceConfig {
     fn default() -> Self {
         Self {
             file: String::new(),
+            listen: Vec::new(),
+            editions: Vec::new(),
+            latency_s: 0.5,
+            sector_delay_s: 0.0,
             truth: String::new(),
             date: "1970-01-01".into(),
             sectors_per_scan: 32,
@@ -110,6 +123,8 @@ impl PlotSourceConfig {
         positive("plot_source.sigma_azimuth_deg", self.sigma_azimuth_deg)?;
         positive("plot_source.cell_range_m", self.cell_range_m)?;
         positive("plot_source.cell_azimuth_deg", self.cell_azimuth_deg)?;
+        positive("plot_source.latency_s", self.latency_s)?;
+        not_negative("plot_source.sector_delay_s", self.sector_delay_s)?;
         positive("plot_source.sigma_range_rate_mps", self.sigma_range_rate_mps)?;
         positive("plot_source.cell_range_rate_mps", self.cell_range_rate_mps)?;
         not_negative("plot_source.sigma_height_m", self.sigma_height_m)?;

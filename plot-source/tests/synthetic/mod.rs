@@ -24,6 +24,7 @@ pub(crate) const TARGETS: [[f64; 4]; 5] = [
 ];
 
 /// What makes a recording differ from that of a radar without faults.
+#[derive(Clone, Copy)]
 pub(crate) struct Recorder<'a> {
     /// Time of turn k, s.
     pub(crate) turn_s: &'a dyn Fn(u32) -> f64,
@@ -39,10 +40,12 @@ pub(crate) struct Recorder<'a> {
     pub(crate) dialect: Dialect,
     /// Whether there are messages of the antenna.
     pub(crate) has_service: bool,
+    /// Sectors of a turn whose beginning is told, of category 034; 0 for none.
+    pub(crate) sector_messages: u32,
 }
 
 /// Categories of reports and of messages of the antenna.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Dialect {
     /// 010.
     Surface,
@@ -62,6 +65,7 @@ impl Default for Recorder<'_> {
             source: SOURCE,
             dialect: Dialect::Surface,
             has_service: true,
+            sector_messages: 0,
         }
     }
 }
@@ -69,22 +73,39 @@ impl Default for Recorder<'_> {
 impl Recorder<'_> {
     /// The blocks of `turns` turns, one record each.
     pub(crate) fn blocks(&self, turns: u32) -> Vec<Vec<u8>> {
+        self.timed_blocks(turns).into_iter().map(|(_, block)| block).collect()
+    }
+
+    /// The same, with the true times since the start at which they are sent, s.
+    pub(crate) fn timed_blocks(&self, turns: u32) -> Vec<(f64, Vec<u8>)> {
         let mut blocks = Vec::new();
         let mut north_s = 0.0;
         for turn in 0..turns {
             let turn_s = (self.turn_s)(turn);
             if (self.recorded)(turn) {
                 if self.has_service {
-                    blocks.push(self.cycle(north_s));
+                    blocks.push((north_s, self.cycle(north_s)));
                 }
-                let mut reports: Vec<(f64, [f64; 2])> =
-                    TARGETS.iter().map(|target| meet(target, north_s, turn_s)).collect();
-                reports.sort_by(|a, b| a.0.total_cmp(&b.0));
-                blocks.extend(reports.into_iter().map(|(time_s, place)| self.report(time_s, place)));
+                let first = blocks.len();
+                for target in &TARGETS {
+                    let (time_s, place) = meet(target, north_s, turn_s);
+                    blocks.push((time_s, self.report(time_s, place)));
+                }
+                for sector in 1..self.sector_messages {
+                    let turned = f64::from(sector) / f64::from(self.sector_messages);
+                    let time_s = north_s + turn_s * turned;
+                    blocks.push((time_s, self.sector(time_s, turned)));
+                }
+                blocks[first..].sort_by(|a, b| a.0.total_cmp(&b.0));
             }
             north_s += turn_s;
         }
         blocks
+    }
+
+    fn sector(&self, true_s: f64, turned: f64) -> Vec<u8> {
+        let azimuth = [(turned * 256.0).round() as u8];
+        block(34, &[&[0xf0], &self.source[..], &[2], &self.time_of_day(true_s), &azimuth].concat())
     }
 
     fn cycle(&self, true_s: f64) -> Vec<u8> {

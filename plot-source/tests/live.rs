@@ -1,0 +1,260 @@
+//! A radar that is listened to, on the clock of the test: what arrives when, and what becomes of it.
+
+mod synthetic;
+
+use std::collections::BTreeSet;
+
+use common::config::ChainConfig;
+use common::health::Reject;
+use common::message::END_OF_SCAN;
+use common::plots::{Plot, PlotsHeader};
+use common::tracks::{CONFIRMED, Track};
+use plot_source::live::{Closed, LiveRadar};
+use synthetic::{Dialect, MIDNIGHT_NS, Recorder, block, chain, messages, open};
+use tracker::Tracker;
+
+const TURNS: u32 = 60;
+/// How long datagrams are on their way, s.
+const DELAY_S: f64 = 0.02;
+const START_S: f64 = 36_000.0;
+
+/// The time of this computer at a true time since the start, ns.
+fn now_ns(true_s: f64) -> u64 {
+    MIDNIGHT_NS + ((START_S + true_s + DELAY_S) * 1e9) as u64
+}
+
+fn live_chain() -> ChainConfig {
+    let mut chain = chain();
+    chain.plot_source.sigma_range_m = 5.0;
+    chain
+}
+
+fn listener(chain: &ChainConfig) -> LiveRadar {
+    LiveRadar::new(chain).expect("known editions")
+}
+
+/// Messages with the time at which they were closed, ns.
+type Heard = Vec<(u64, PlotsHeader, Vec<Plot>)>;
+
+/// Hands over datagrams, looks at sectors every 10 ms in between, and 3 s beyond the last datagram.
+fn hear(radar: &mut LiveRadar, datagrams: &[(f64, Vec<u8>)]) -> Heard {
+    let (mut heard, mut closed) = (Heard::new(), Closed::new());
+    let mut close = |radar: &mut LiveRadar, now_ns: u64| {
+        radar.close_due(now_ns, &mut closed);
+        heard.extend(closed.drain(..).map(|(header, plots)| (now_ns, header, plots)));
+    };
+    let mut tick = 0.0;
+    for (true_s, datagram) in datagrams {
+        while tick < *true_s {
+            close(radar, now_ns(tick));
+            tick += 0.01;
+        }
+        radar.take(datagram, now_ns(*true_s));
+        close(radar, now_ns(*true_s));
+    }
+    let end_s = tick + 3.0;
+    while tick < end_s {
+        close(radar, now_ns(tick));
+        tick += 0.01;
+    }
+    heard
+}
+
+/// Numbers of the confirmed tracks; the messages must follow each other.
+fn confirmed(heard: &Heard) -> BTreeSet<u64> {
+    let mut tracker = Tracker::new(&common::config::TrackerConfig::default(), 1).expect("a valid configuration");
+    let (mut tracks, mut numbers): (Vec<Track>, _) = (Vec::new(), BTreeSet::new());
+    let (mut next_seq, mut last_ns) = (None, 0);
+    for (_, header, plots) in heard {
+        assert!(next_seq.is_none_or(|seq| seq == header.seq), "{header:?}");
+        assert!(header.time_ns > last_ns && header.has(END_OF_SCAN) == (header.sector == 31));
+        (next_seq, last_ns) = (Some(header.seq + 1), header.time_ns);
+        tracker.process_plots(header, plots, &mut tracks);
+        numbers.extend(tracks.iter().filter(|track| track.state_code == CONFIRMED).map(|track| track.id));
+    }
+    numbers
+}
+
+fn plots(heard: &Heard) -> Vec<Plot> {
+    heard.iter().flat_map(|(_, _, plots)| plots.clone()).collect()
+}
+
+const DIALECTS: [(Dialect, bool, u32); 7] = [
+    (Dialect::Surface, true, 0),
+    (Dialect::Surface, false, 0),
+    (Dialect::Monoradar, true, 0),
+    (Dialect::Monoradar, true, 32),
+    (Dialect::Monoradar, false, 0),
+    (Dialect::Old, true, 0),
+    (Dialect::Monoradar, false, 32),
+];
+
+/// Each radar gives its five tracks, with every plot after the beginning, in sectors that are closed in time.
+#[test]
+fn every_radar_is_heard_in_time() {
+    for (dialect, has_service, sector_messages) in DIALECTS {
+        for turn_s in [1.0, 4.0] {
+            let recorder =
+                Recorder { dialect, has_service, sector_messages, turn_s: &|_| turn_s, ..Recorder::default() };
+            let mut chain = live_chain();
+            chain.plot_source.scan_period_s = 0.8 * turn_s;
+            let mut radar = listener(&chain);
+            let heard = hear(&mut radar, &recorder.timed_blocks(TURNS));
+            let case = format!("{dialect:?} {has_service} {sector_messages} {turn_s}: {:?}", radar.events());
+            assert_eq!(confirmed(&heard).len(), 5, "{case}");
+            let searched = if has_service || sector_messages > 0 { 3 } else { 21 };
+            let missing = (5 * TURNS) as usize - plots(&heard).len();
+            assert!(missing <= 5 * searched, "{missing} plots missing, {case}");
+            for (closed_ns, header, _) in &heard[32..] {
+                let late_s = (*closed_ns as f64 - header.time_ns as f64) * 1e-9 - DELAY_S;
+                let limit_s = if sector_messages > 0 { 0.03 * turn_s } else { chain.plot_source.latency_s };
+                // After the last message of the radar only time closes sectors.
+                let limit_s = if header.scan + 4 > TURNS { chain.plot_source.latency_s } else { limit_s };
+                assert!((-0.03 * turn_s..=limit_s + 0.03 * turn_s).contains(&late_s), "{late_s} s late, {case}");
+            }
+        }
+    }
+}
+
+/// The plots of a radar that is listened to are those of its recording.
+#[test]
+fn plots_are_those_of_the_recording() {
+    let recorder = Recorder { dialect: Dialect::Monoradar, ..Recorder::default() };
+    let blocks = recorder.timed_blocks(TURNS);
+    let heard = plots(&hear(&mut listener(&live_chain()), &blocks));
+    let bytes: Vec<u8> = blocks.iter().flat_map(|(_, block)| block.clone()).collect();
+    let recorded: Vec<Plot> =
+        messages(open(&live_chain(), &bytes).expect("a recording")).flat_map(|(_, plots)| plots).collect();
+    assert!(heard.len() > 250 && recorded.ends_with(&heard));
+}
+
+/// Reports of the second line, which is late, and malformed datagrams change nothing and are counted.
+#[test]
+fn doubled_lines_and_malformed_datagrams_change_nothing() {
+    let recorder = Recorder { dialect: Dialect::Monoradar, sector_messages: 32, ..Recorder::default() };
+    let single = recorder.timed_blocks(TURNS);
+    let alone = hear(&mut listener(&live_chain()), &single);
+    let mut doubled = single.clone();
+    doubled.extend(single.iter().map(|(time_s, datagram)| (time_s + 0.004, datagram.clone())));
+    let malformed: [Vec<u8>; 5] = [
+        vec![0xff; 20],
+        vec![48, 0, 200, 0xf0, 1],
+        block(48, &[0xf0, 0, 7, 1]),
+        block(21, &[0x80, 0, 7]),
+        block(48, &[0x01, 0x01, 0x01, 0x01, 0x80, 0x00]),
+    ];
+    for (index, (time_s, _)) in single.iter().enumerate() {
+        doubled.extend(malformed.iter().cycle().skip(index).take(5).map(|datagram| (*time_s, datagram.clone())));
+    }
+    doubled.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut radar = listener(&live_chain());
+    let heard = hear(&mut radar, &doubled);
+    assert_eq!(plots(&heard), plots(&alone));
+    assert_eq!(radar.events().repeated, single.len() as u64);
+    let count = single.len() as u64;
+    let rejected = |reason| radar.rejected().of(reason);
+    assert_eq!((rejected(Reject::BadHeader), rejected(Reject::OtherCategory)), (2 * count, count));
+    assert_eq!((rejected(Reject::TruncatedRecord), rejected(Reject::UnknownItem)), (count, count));
+}
+
+/// Records of other sensors are counted and left alone; a report after its sector is late.
+#[test]
+fn what_cannot_be_used_is_counted() {
+    let recorder = Recorder { dialect: Dialect::Monoradar, sector_messages: 32, ..Recorder::default() };
+    let other = Recorder { source: [3, 9], turn_s: &|_| 1.7, ..recorder };
+    let mut datagrams = recorder.timed_blocks(TURNS);
+    let own = hear(&mut listener(&live_chain()), &datagrams);
+    let foreign = other.timed_blocks(10);
+    datagrams.extend(foreign.iter().cloned());
+    let late = datagrams.iter().position(|(time_s, datagram)| *time_s > 30.0 && datagram[0] == 48).expect("a report");
+    datagrams[late].0 += 0.5;
+    datagrams.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut radar = listener(&live_chain());
+    let before = {
+        let mut radar = listener(&live_chain());
+        hear(&mut radar, &recorder.timed_blocks(TURNS));
+        radar.rejected().of(Reject::Late)
+    };
+    let heard = hear(&mut radar, &datagrams);
+    assert_eq!(plots(&heard).len(), plots(&own).len() - 1);
+    assert_eq!(radar.rejected().of(Reject::ForeignSource), foreign.len() as u64);
+    assert_eq!(radar.rejected().of(Reject::Late), before + 1);
+}
+
+/// A radar that stops: its tracks end. It comes back in another phase, with another clock: new tracks begin.
+#[test]
+fn a_radar_may_stop_and_come_back() {
+    for sector_messages in [0, 32] {
+        for clock_s in [0.0, 3000.0, -7.3] {
+            let recorder = Recorder { dialect: Dialect::Monoradar, sector_messages, ..Recorder::default() };
+            let again = Recorder { clock_s: &move |true_s| START_S + true_s + 100.37 + clock_s, ..recorder };
+            let mut datagrams = recorder.timed_blocks(40);
+            datagrams.extend(again.timed_blocks(40).into_iter().map(|(time_s, block)| (time_s + 100.37, block)));
+            let mut radar = listener(&live_chain());
+            let heard = hear(&mut radar, &datagrams);
+            let case = format!("{sector_messages} {clock_s}: {:?}", radar.events());
+            assert_eq!(confirmed(&heard).len(), 10, "{case}");
+            assert!(heard.len() >= 32 * 136, "{} sectors, {case}", heard.len());
+            assert!(plots(&heard).len() > 5 * 70, "{} plots, {case}", plots(&heard).len());
+        }
+    }
+}
+
+/// A clock that is set, forwards or backwards, and midnight: tracks live on.
+#[test]
+fn a_clock_may_be_set() {
+    for by_s in [-4000.0, -2.6, 2.6, 4000.0] {
+        let clock_s = move |true_s: f64| START_S + true_s + if true_s < 30.0 { 0.0 } else { by_s };
+        let recorder =
+            Recorder { dialect: Dialect::Monoradar, sector_messages: 32, clock_s: &clock_s, ..Recorder::default() };
+        let mut radar = listener(&live_chain());
+        let heard = hear(&mut radar, &recorder.timed_blocks(TURNS));
+        assert_eq!(confirmed(&heard).len(), 5, "{by_s}: {:?}", radar.events());
+        assert_eq!(radar.events().clock_set, 1, "{by_s}: {:?}", radar.events());
+    }
+}
+
+/// Turns that change their time are followed, with and without sector messages.
+#[test]
+fn a_turn_may_change() {
+    for (sector_messages, has_service) in [(0, true), (32, true), (0, false)] {
+        let recorder = Recorder {
+            dialect: Dialect::Monoradar,
+            sector_messages,
+            has_service,
+            turn_s: &|turn| 2.0 + 0.004 * f64::from(turn),
+            ..Recorder::default()
+        };
+        let mut chain = live_chain();
+        chain.plot_source.scan_period_s = 2.0;
+        let mut radar = listener(&chain);
+        let heard = hear(&mut radar, &recorder.timed_blocks(TURNS));
+        assert_eq!(confirmed(&heard).len(), 5, "{sector_messages} {has_service}: {:?}", radar.events());
+        assert_eq!(radar.events().moved, 0);
+    }
+}
+
+/// Targets exactly where sectors begin are in the sectors that begin there: their reports come after the message.
+#[test]
+fn a_target_where_a_sector_begins_is_not_late() {
+    let recorder = Recorder { dialect: Dialect::Monoradar, sector_messages: 32, ..Recorder::default() };
+    let mut datagrams: Vec<(f64, Vec<u8>)> = recorder.timed_blocks(TURNS);
+    datagrams.retain(|(_, datagram)| datagram[0] == 34);
+    let reports: Vec<(f64, Vec<u8>)> = datagrams
+        .iter()
+        .enumerate()
+        .map(|(index, (time_s, datagram))| {
+            let azimuth = (index % 32 * 2048) as u16;
+            // The time of the message, and 5 km.
+            let report = [&[0xf0, 0, 7][..], &datagram[7..10], &[0x20, 2, 0], &azimuth.to_be_bytes()].concat();
+            (time_s + 0.001, block(48, &report))
+        })
+        .collect();
+    datagrams.extend(reports);
+    datagrams.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut radar = listener(&live_chain());
+    let heard = hear(&mut radar, &datagrams);
+    assert_eq!(plots(&heard).len() as u64 + radar.rejected().of(Reject::Late), u64::from(32 * TURNS));
+    let full = heard.iter().filter(|(_, _, plots)| plots.len() == 1).count();
+    assert!(full >= 32 * (TURNS as usize - 3), "{full} sectors with their plot, {:?}", radar.events());
+}
