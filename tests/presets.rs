@@ -7,9 +7,13 @@ use std::path::Path;
 use support::{Bench, output, text_of};
 
 fn assert_followed(preset: &str, targets: u64) {
+    assert_followed_with(preset, targets, &[]);
+}
+
+fn assert_followed_with(preset: &str, targets: u64, arguments: &[&str]) {
     let bench = Bench::new();
     let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config").join(preset);
-    let result = output(&mut bench.command("run", &config));
+    let result = output(bench.command("run", &config).args(arguments));
     assert!(result.status.success(), "{}", text_of(&result));
     let report = bench.report();
     let tracking = &report.tracking;
@@ -30,4 +34,18 @@ fn aircraft_about_an_approach_radar() {
 #[test]
 fn ships_before_a_coastal_radar() {
     assert_followed("coastal.toml", 5);
+}
+
+#[test]
+fn turning_ships_by_every_filter_of_turns() {
+    for estimator in ["imm-turn", "adaptive-grid", "switching-grid"] {
+        assert_followed_with("ship.toml", 5, &["--set", &format!("tracker.estimator={estimator}")]);
+    }
+}
+
+#[test]
+fn manoeuvring_aircraft_by_every_filter_of_accelerations() {
+    for estimator in ["multi-alternative", "adaptive-bandwidth"] {
+        assert_followed_with("aircraft.toml", 5, &["--set", &format!("tracker.estimator={estimator}")]);
+    }
 }
