@@ -17,6 +17,7 @@ pub mod fluctuation;
 pub mod follow;
 pub mod initiation;
 pub mod judge;
+pub mod multi_alternative;
 pub mod options;
 pub mod page;
 pub mod parallel;
