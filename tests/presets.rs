@@ -44,8 +44,8 @@ fn turning_ships_by_every_filter_of_turns() {
 }
 
 #[test]
-fn manoeuvring_aircraft_by_every_filter_of_accelerations() {
-    for estimator in ["multi-alternative", "adaptive-bandwidth"] {
+fn manoeuvring_aircraft_by_turns_and_accelerations() {
+    for estimator in ["imm-turn", "multi-alternative", "adaptive-bandwidth"] {
         assert_followed_with("aircraft.toml", 5, &["--set", &format!("tracker.estimator={estimator}")]);
     }
 }

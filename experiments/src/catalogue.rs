@@ -1,8 +1,8 @@
 //! The experiments that there are.
 
 use crate::{
-    Options, Progress, Results, accuracy, cfar, crossing, initiation, multi_alternative, plot_accuracy, track_loss,
-    vsmm,
+    Options, Progress, Results, accuracy, cfar, crossing, estimators, initiation, multi_alternative, plot_accuracy,
+    track_loss, vsmm,
 };
 
 /// One experiment. Its results depend on the options alone, and not on [`Options::threads`].
@@ -53,6 +53,11 @@ pub const EXPERIMENTS: &[Experiment] = &[
         name: "multi-alternative",
         about: "several hypotheses on acceleration against one of adaptive bandwidth, on published manoeuvres",
         run: multi_alternative::run,
+    },
+    Experiment {
+        name: "estimators",
+        about: "every filter on drones, ships and aircraft: errors and consistency on the same plots",
+        run: estimators::run,
     },
 ];
 

@@ -12,6 +12,7 @@ pub mod accuracy;
 pub mod catalogue;
 pub mod cfar;
 pub mod crossing;
+pub mod estimators;
 pub mod figures;
 pub mod fluctuation;
 pub mod follow;

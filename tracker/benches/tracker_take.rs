@@ -131,7 +131,8 @@ struct Counts {
 
 impl Running {
     fn new(estimator: Estimator) -> Self {
-        let config = TrackerConfig { estimator, start_density: 1e-12, clutter_map_scans: 0, ..TrackerConfig::default() };
+        let config =
+            TrackerConfig { estimator, start_density: 1e-12, clutter_map_scans: 0, ..TrackerConfig::default() };
         let tracker = Tracker::new(&config, 1).expect("valid");
         Self { tracker, scan: 0, plots: Vec::new(), tracks: Vec::new() }
     }

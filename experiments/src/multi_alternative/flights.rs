@@ -5,7 +5,7 @@ use rand_distr::{Distribution, StandardNormal};
 use tracker::plots::measurement::Measurement;
 
 /// T, s.
-pub(super) const STEP_S: f64 = 0.1;
+pub(crate) const STEP_S: f64 = 0.1;
 /// σ of each coordinate, m.
 pub(super) const SIGMA_M: f64 = 10.0;
 /// One g, m/s².
@@ -23,7 +23,7 @@ const AFTER_S: f64 = 4.0;
 
 /// One flight; accelerations in g are across the velocity, positive to port.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Flight {
+pub(crate) enum Flight {
     /// No manoeuvre.
     Straight,
     /// A constant turn from 20 to 35 s.
@@ -35,14 +35,14 @@ pub(super) enum Flight {
 }
 
 /// All of them.
-pub(super) const FLIGHTS: [Flight; 5] =
+pub(crate) const FLIGHTS: [Flight; 5] =
     [Flight::Straight, Flight::Turn(3.0), Flight::Turn(5.0), Flight::Weave(4.0), Flight::Reversal(4.0)];
 
 /// Position, velocity and acceleration, first and second coordinate; m, m/s, m/s².
-pub(super) type Motion = [[f64; 2]; 3];
+pub(crate) type Motion = [[f64; 2]; 3];
 
 impl Flight {
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Straight => "straight",
             Self::Turn(g) if g < 4.0 => "turn 3 g",
@@ -63,7 +63,7 @@ impl Flight {
     }
 
     /// Scans whose errors count.
-    pub(super) fn counted(self) -> std::ops::Range<usize> {
+    pub(crate) fn counted(self) -> std::ops::Range<usize> {
         let [from_s, to_s] = self.manoeuvre_s();
         (from_s / STEP_S).round() as usize..((to_s + AFTER_S) / STEP_S).round() as usize + 1
     }
@@ -85,7 +85,7 @@ impl Flight {
     }
 
     /// The aircraft at every scan.
-    pub(super) fn truth(self) -> Vec<Motion> {
+    pub(crate) fn truth(self) -> Vec<Motion> {
         let fine_s = STEP_S / f64::from(FINE);
         let (mut angle, mut position) = (COURSE_DEG.to_radians(), [0.0; 2]);
         let scans = (END_S / STEP_S).round() as u32;
@@ -109,7 +109,7 @@ impl Flight {
 }
 
 /// What is measured in one run, scan by scan: both coordinates with equal errors.
-pub(super) fn plots(truth: &[Motion], seed: u64, run: u32) -> Vec<Measurement> {
+pub(crate) fn plots(truth: &[Motion], seed: u64, run: u32) -> Vec<Measurement> {
     let mut rng = generator(seed, Purpose::Measurement, run, 0);
     let mut normal = || SIGMA_M * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng);
     let measure = |[position, ..]: &Motion| {

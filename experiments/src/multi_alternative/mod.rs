@@ -20,7 +20,7 @@ use crate::parallel::runs;
 use crate::rows::LEVEL;
 use crate::{Case, Options, Progress, Results, Row};
 use filters::{Form, Setting, follow};
-use flights::{FLIGHTS, Flight, plots};
+pub(crate) use flights::{FLIGHTS, Flight, STEP_S, plots};
 
 /// Resamples behind each interval.
 const RESAMPLES: usize = 200;
