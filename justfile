@@ -28,6 +28,8 @@ results:
     cargo run --release -p experiments -- track-loss --runs 1000 --figures docs/img --page docs/results/track-loss.md
     cargo run --release -p experiments -- crossing --runs 1000 --figures docs/img --page docs/results/crossing.md
     cargo run --release -p experiments -- vsmm --figures docs/img --page docs/results/vsmm.md
+    cargo run --release -p experiments -- multi-alternative --figures docs/img --page docs/results/multi-alternative.md
+    cargo run --release -p experiments -- estimators --page docs/results/estimators.md
 
 # The documents that are made from the program
 docs:

@@ -13,8 +13,12 @@ fn run(bench: &Bench, preset: &str, arguments: &[&str]) -> Output {
 }
 
 fn assert_followed(preset: &str, targets: u64) {
+    assert_followed_with(preset, targets, &[]);
+}
+
+fn assert_followed_with(preset: &str, targets: u64, arguments: &[&str]) {
     let bench = Bench::new();
-    let result = run(&bench, preset, &[]);
+    let result = run(&bench, preset, arguments);
     assert!(result.status.success(), "{}", text_of(&result));
     let report = bench.report();
     let tracking = &report.tracking;
@@ -47,4 +51,18 @@ fn false_alarms_far_from_what_is_set_are_said() {
     assert!(text_of(&result).contains("WARNING false alarms per cell"), "{}", text_of(&result));
     let told = bench.report().processes["tracker"].false_alarms.expect("measured");
     assert!(told.is_off() && told.measured > 10.0 * told.set, "{told:?}");
+}
+
+#[test]
+fn turning_ships_by_every_filter_of_turns() {
+    for estimator in ["imm-turn", "adaptive-grid", "switching-grid"] {
+        assert_followed_with("ship.toml", 5, &["--set", &format!("tracker.estimator={estimator}")]);
+    }
+}
+
+#[test]
+fn manoeuvring_aircraft_by_turns_and_accelerations() {
+    for estimator in ["imm-turn", "multi-alternative", "adaptive-bandwidth"] {
+        assert_followed_with("aircraft.toml", 5, &["--set", &format!("tracker.estimator={estimator}")]);
+    }
 }

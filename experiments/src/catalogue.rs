@@ -1,6 +1,9 @@
 //! The experiments that there are.
 
-use crate::{Options, Progress, Results, accuracy, cfar, crossing, initiation, plot_accuracy, track_loss, vsmm};
+use crate::{
+    Options, Progress, Results, accuracy, cfar, crossing, estimators, initiation, multi_alternative, plot_accuracy,
+    track_loss, vsmm,
+};
 
 /// One experiment. Its results depend on the options alone, and not on [`Options::threads`].
 #[derive(Debug, Clone, Copy)]
@@ -45,6 +48,16 @@ pub const EXPERIMENTS: &[Experiment] = &[
         name: "vsmm",
         about: "turn filters of fixed, adaptive and switching rates on two published examples",
         run: vsmm::run,
+    },
+    Experiment {
+        name: "multi-alternative",
+        about: "several hypotheses on acceleration against one of adaptive bandwidth, on published manoeuvres",
+        run: multi_alternative::run,
+    },
+    Experiment {
+        name: "estimators",
+        about: "every filter on drones, ships and aircraft: errors and consistency on the same plots",
+        run: estimators::run,
     },
 ];
 

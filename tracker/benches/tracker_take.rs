@@ -1,6 +1,6 @@
 //! The whole tracker, message by message: one turn of the beam over many tracks.
 //!
-//! Ids are `tracks x plots in each gate`, in the last group `tracks + plots elsewhere`; times are per turn of 32 messages, on one core. What is
+//! Ids are `tracks x plots in each gate`, in the second group `tracks + plots elsewhere`, in the third with the family of filters; times are per turn of 32 messages, on one core. What is
 //! timed is [`Tracker::process_plots`] with everything that it does: plots into the store, agenda, index, gates, rivals, association, update, existence,
 //! clutter map, starts, prediction of the next passage and the message of each track.
 //!
@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use common::config::TrackerConfig;
+use common::config::{Estimator, TrackerConfig};
 use common::message::END_OF_SCAN;
 use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, Plot, PlotsHeader};
 use common::random::{Purpose, generator};
@@ -130,8 +130,9 @@ struct Counts {
 }
 
 impl Running {
-    fn new() -> Self {
-        let config = TrackerConfig { start_density: 1e-12, clutter_map_scans: 0, ..TrackerConfig::default() };
+    fn new(estimator: Estimator) -> Self {
+        let config =
+            TrackerConfig { estimator, start_density: 1e-12, clutter_map_scans: 0, ..TrackerConfig::default() };
         let tracker = Tracker::new(&config, 1).expect("valid");
         Self { tracker, scan: 0, plots: Vec::new(), tracks: Vec::new() }
     }
@@ -177,9 +178,9 @@ impl Running {
 }
 
 /// A tracker whose tracks have started and settled among the plots of a sky.
-fn settle(lattice: Lattice, elsewhere: usize) -> (Running, Sky) {
+fn settle(estimator: Estimator, lattice: Lattice, elsewhere: usize) -> (Running, Sky) {
     let targets = lattice.iter().product::<u32>() as usize;
-    let mut running = Running::new();
+    let mut running = Running::new(estimator);
     let alone = Sky::draw(lattice, 1, 0, 2);
     for turn in 0..STARTING {
         running.turn(&alone.turns[turn as usize % 2]);
@@ -191,18 +192,21 @@ fn settle(lattice: Lattice, elsewhere: usize) -> (Running, Sky) {
     (running, sky)
 }
 
-fn whole_tracker(criterion: &mut Criterion, group: &str, cases: &[(Lattice, usize)]) {
+fn whole_tracker(criterion: &mut Criterion, group: &str, cases: &[(Estimator, Lattice, usize)]) {
     let mut group = criterion.benchmark_group(group);
-    for &(lattice, elsewhere) in cases {
+    for &(estimator, lattice, elsewhere) in cases {
         let targets = lattice.iter().product::<u32>() as usize;
         let plots = targets * PLOTS + elsewhere;
         group.throughput(Throughput::Elements(if elsewhere > 0 { plots } else { targets } as u64));
         group.sample_size(10);
         let name = if elsewhere > 0 { format!("{targets}+{elsewhere}") } else { format!("{targets}x{PLOTS}") };
+        let own = serde_json::to_value(estimator).expect("a name");
+        let family = own.as_str().filter(|_| estimator != Estimator::ImmUav).map(|own| format!("-{own}"));
+        let name = name + &family.unwrap_or_default();
         // Made when first asked for, so that a filter of the command line does not wait for what it leaves out.
         let mut settled = None;
         group.bench_function(BenchmarkId::from_parameter(name), |bencher| {
-            let (running, sky) = settled.get_or_insert_with(|| settle(lattice, elsewhere));
+            let (running, sky) = settled.get_or_insert_with(|| settle(estimator, lattice, elsewhere));
             bencher.iter_custom(|iterations| {
                 let mut spent = Duration::ZERO;
                 for _ in 0..iterations {
@@ -226,12 +230,13 @@ fn whole_tracker(criterion: &mut Criterion, group: &str, cases: &[(Lattice, usiz
 }
 
 fn tracker_take(criterion: &mut Criterion) {
-    whole_tracker(
-        criterion,
-        "tracker_take",
-        &[([10, 5, 2], 0), ([50, 10, 2], 0), ([100, 25, 4], 0), ([250, 80, 5], 0)],
-    );
-    whole_tracker(criterion, "tracker_take_plots", &[([50, 10, 2], 10_000), ([50, 10, 2], 100_000)]);
+    let usual = |lattice, elsewhere| (Estimator::ImmUav, lattice, elsewhere);
+    let sizes = [[10, 5, 2], [50, 10, 2], [100, 25, 4], [250, 80, 5]];
+    whole_tracker(criterion, "tracker_take", &sizes.map(|lattice| usual(lattice, 0)));
+    let crowded = [10_000, 100_000].map(|elsewhere| usual([50, 10, 2], elsewhere));
+    whole_tracker(criterion, "tracker_take_plots", &crowded);
+    let families = Estimator::ALL.map(|estimator| (estimator, [50, 10, 2], 0));
+    whole_tracker(criterion, "tracker_take_families", &families);
 }
 
 criterion_group!(benches, tracker_take);

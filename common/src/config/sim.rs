@@ -39,6 +39,18 @@ pub enum MotionConfig {
         #[serde(default)]
         repeat: bool,
     },
+    /// Legs of constant turn rate at constant speed, one after the other; after the last one straight on.
+    Turns {
+        /// Where it is at the start, m.
+        position_m: [f64; 3],
+        /// East, north, up, m/s.
+        velocity_mps: [f64; 3],
+        /// [duration, s; turn rate, °/s, positive to port] of each leg.
+        legs_s_deg_per_s: Vec<[f64; 2]>,
+        /// After the last leg the first again, for ever.
+        #[serde(default)]
+        repeat: bool,
+    },
     /// A recorded flight: CSV with `timestamp` or `time` (seconds or ISO 8601), `latitude`, `longitude`, `altitude (m)`.
     Csv {
         /// The file; beside the configuration if it is a relative path.
@@ -53,7 +65,7 @@ pub enum MotionConfig {
 pub struct TargetConfig {
     /// Name in reports.
     pub name: String,
-    /// How it moves (`motion = "straight" | "trajectory" | "waypoints" | "csv"`).
+    /// How it moves (`motion = "straight" | "trajectory" | "waypoints" | "turns" | "csv"`).
     #[serde(flatten)]
     pub motion: MotionConfig,
     /// Radar cross-section, m²; the signal-to-noise ratio then follows the radar equation.
@@ -159,6 +171,14 @@ impl TargetConfig {
                 positive(&key("speed_mps"), *speed_mps)?;
                 require(&key("points_m"), points_m.len(), points_m.len() >= 2, "at least two points")?;
                 points_m.iter().try_for_each(|point| finite("points_m", point))
+            }
+            MotionConfig::Turns { position_m, velocity_mps, legs_s_deg_per_s: legs, .. } => {
+                finite("position_m", position_m)?;
+                finite("velocity_mps", velocity_mps)?;
+                let valid = |[time_s, rate]: &[f64; 2]| *time_s > 0.0 && *time_s <= 1e6 && rate.abs() <= 360.0;
+                let expected = "at least one leg of [seconds above 0, °/s from -360 to 360]";
+                let possible = !legs.is_empty() && legs.iter().all(valid);
+                require(&key("legs_s_deg_per_s"), format!("{legs:?}"), possible, expected)
             }
             MotionConfig::Csv { position_m, .. } => finite("position_m", position_m),
         }

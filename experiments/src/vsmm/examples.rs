@@ -5,7 +5,7 @@ use rand_distr::{Distribution, StandardNormal};
 use tracker::plots::measurement::Measurement;
 
 /// T, s.
-pub(super) const STEP_S: f64 = 3.0;
+pub(crate) const STEP_S: f64 = 3.0;
 /// σ of range, m, and of azimuth, rad.
 const SIGMA: [f64; 2] = [60.0, 0.5 * std::f64::consts::PI / 180.0];
 /// Errors count from here on, s.
@@ -15,9 +15,9 @@ const KNOT_MPS: f64 = 1852.0 / 3600.0;
 
 /// One example.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Example {
+pub(crate) struct Example {
     /// As published, from 1.
-    pub(super) number: u32,
+    pub(crate) number: u32,
     start_m: [f64; 2],
     velocity_kn: [f64; 2],
     /// Until when (s) the ship turns at which rate (°/s, positive from x towards y).
@@ -29,7 +29,7 @@ pub(super) struct Example {
 }
 
 /// Both.
-pub(super) const EXAMPLES: [Example; 2] = [
+pub(crate) const EXAMPLES: [Example; 2] = [
     Example {
         number: 1,
         start_m: [1000.0, 1000.0],
@@ -68,9 +68,9 @@ pub(super) const EXAMPLES: [Example; 2] = [
 
 /// The ship at one scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Truth {
-    pub(super) position_m: [f64; 2],
-    pub(super) velocity_mps: [f64; 2],
+pub(crate) struct Truth {
+    pub(crate) position_m: [f64; 2],
+    pub(crate) velocity_mps: [f64; 2],
     /// At which it came here from the scan before, rad/s.
     pub(super) rate_rad_per_s: f64,
 }
@@ -85,7 +85,7 @@ impl Truth {
 
 impl Example {
     /// The ship at every scan.
-    pub(super) fn truth(&self) -> Vec<Truth> {
+    pub(crate) fn truth(&self) -> Vec<Truth> {
         let end_s = self.legs.last().map_or(0.0, |(until_s, _)| *until_s);
         let mut ship = Truth {
             position_m: self.start_m,
@@ -109,7 +109,7 @@ impl Example {
 
     /// What the radar measures of a ship in one run, scan by scan. Range and azimuth have errors; a range below zero is kept, on the
     /// other side of the antenna.
-    pub(super) fn plots(&self, truth: &[Truth], seed: u64, run: u32) -> Vec<Measurement> {
+    pub(crate) fn plots(&self, truth: &[Truth], seed: u64, run: u32) -> Vec<Measurement> {
         let mut rng = generator(seed, Purpose::Measurement, run, self.number);
         let mut normal = |sigma: f64| sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng);
         let measure = |ship: &Truth| {

@@ -17,7 +17,7 @@ use evaluation::bootstrap;
 use crate::parallel::runs;
 use crate::rows::LEVEL;
 use crate::{Options, Progress, Results, Row};
-use examples::{EXAMPLES, Example};
+pub(crate) use examples::{EXAMPLES, Example, STEP_S};
 use filters::{Kind, Setting, follow};
 
 /// Resamples behind each interval.

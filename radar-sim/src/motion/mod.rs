@@ -3,6 +3,7 @@
 mod flight;
 mod flight_time;
 mod segments;
+mod turns;
 mod waypoints;
 
 use common::config::{MotionConfig, TargetConfig};
@@ -13,6 +14,7 @@ use nalgebra::Vector3;
 use crate::SimError;
 pub use flight::Flight;
 pub use segments::{Segments, Step};
+pub use turns::Turns;
 pub use waypoints::Course;
 
 /// State of a target in ENU about the antenna.
@@ -48,6 +50,8 @@ pub enum Motion {
     Segments(Segments),
     /// Legs and turns at constant speed.
     Course(Course),
+    /// Legs of constant turn rate.
+    Turns(Turns),
     /// A recorded flight.
     Flight(Flight),
 }
@@ -69,6 +73,10 @@ impl Motion {
                 let points = points_m.iter().map(|&point| point.into()).collect::<Vec<_>>();
                 Self::Course(Course::new(&points, *speed_mps, *repeat))
             }
+            MotionConfig::Turns { position_m, velocity_mps, legs_s_deg_per_s, repeat } => {
+                let legs: Vec<_> = legs_s_deg_per_s.iter().map(|[time_s, rate]| (*time_s, rate.to_radians())).collect();
+                Self::Turns(Turns::new((*position_m).into(), (*velocity_mps).into(), &legs, *repeat))
+            }
             MotionConfig::Csv { file, position_m } => {
                 Self::Flight(Flight::read(file, (*position_m).into()).map_err(|reason| SimError::Flight {
                     target: target.name.clone(),
@@ -83,7 +91,7 @@ impl Motion {
     pub fn dropped(&self) -> Option<String> {
         match self {
             Self::Flight(flight) => flight.dropped(),
-            Self::Segments(_) | Self::Course(_) => None,
+            Self::Segments(_) | Self::Course(_) | Self::Turns(_) => None,
         }
     }
 
@@ -92,6 +100,7 @@ impl Motion {
         match self {
             Self::Segments(segments) => segments.at(time_s),
             Self::Course(course) => course.at(time_s),
+            Self::Turns(turns) => turns.at(time_s),
             Self::Flight(flight) => flight.at(time_s),
         }
     }

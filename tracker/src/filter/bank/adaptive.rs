@@ -5,7 +5,6 @@ use common::tracks::{ESTIMATOR_ADAPTIVE_BANDWIDTH, KIND_MANOEUVRE, Models, STATE
 use pulp::{Simd, WithSimd};
 
 use super::axis::{Sight, clear, put, start_component};
-use super::hypotheses::CHANGE;
 use super::singer::Singer;
 use crate::filter::absorb::{Weights, absorb};
 use crate::filter::evidence::Evidence;
@@ -205,10 +204,8 @@ impl WithSimd for Predict<'_> {
                 let x_now: [V<S>; 3] = std::array::from_fn(|k| is_wide.pick(x_wide[k], x_narrow[k]));
                 put_state(lanes, block + NOW, &p_now, &x_now, prediction);
                 put_state(lanes, block + WIDE, &wide, &x_wide, prediction);
-                // A manoeuvre may begin.
-                let (keep, change) = (lanes.splat(1.0 - CHANGE), lanes.splat(CHANGE));
-                let seen = std::array::from_fn(|k| keep * p_now[k] + change * wide[k]);
-                put(lanes, axis, &x_now, &seen, prediction);
+                // A manoeuvre may begin: the association expects what is wide.
+                put(lanes, axis, &x_now, &wide, prediction);
             }
         }
     }

@@ -23,7 +23,7 @@ use crate::filter::seam::{Filter, Update};
 use crate::filter::start::TwoPlots;
 
 /// Share of the probability that a prediction spreads alike over all hypotheses: a manoeuvre may begin. It widens what the association expects.
-pub(super) const CHANGE: f64 = 0.25;
+const CHANGE: f64 = 0.25;
 
 /// The bank: its hypotheses are the same on every coordinate.
 ///
