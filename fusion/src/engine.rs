@@ -32,6 +32,8 @@ use crate::system::{CONTRIBUTORS, Contributor, System, SystemTrack};
 const REGISTERED: usize = 250;
 /// Radars whose biases can be solved for in every cycle; of more, every other, third… cycle.
 const SITES_A_CYCLE: usize = 8;
+/// Share of the standard deviation of a bias below which a change of it moves no track.
+const NOTABLE: f64 = 0.01;
 /// Of all system tracks, those that are looked at in a cycle for others that are the same target: every n-th.
 const TWINS_EVERY: usize = 4;
 
@@ -711,7 +713,13 @@ impl Fusion {
         self.registration.solve();
         let change: Vec<Bias> =
             before.iter().enumerate().map(|(site, before)| self.registration.bias(site) - before).collect();
-        self.shift(&change);
+        // The next reports bring small changes by themselves.
+        let matters = |(change, site): (&Bias, &SiteState)| {
+            change.iter().zip(site.site.bias.iter()).any(|(change, sigma)| change.abs() > NOTABLE * sigma)
+        };
+        if change.iter().zip(&self.sites).any(matters) {
+            self.shift(&change);
+        }
     }
 
     /// Moves all tracks by what has been learned of biases.
@@ -786,10 +794,10 @@ impl Fusion {
         let mut state = system.state;
         state.predict(seconds_between(system.time_ns, now_ns), &self.settings.motion);
         let mut estimate = state.moments();
-        // Of several radars the biases are averaged; of each only its own is counted.
-        let count = system.contributors.len() as f64;
-        for of in &system.contributors {
-            let spread = self.bias_spread(of.site, &self.jacobian(of.site, &estimate)) / (count * count);
+        // Of several radars the biases are averaged: about that of one over their number.
+        if let Some(of) = system.contributors.first() {
+            let count = system.contributors.len() as f64;
+            let spread = self.bias_spread(of.site, &self.jacobian(of.site, &estimate)) / count;
             let mut corner = estimate.covariance.fixed_view_mut::<3, 3>(0, 0);
             corner += spread;
         }

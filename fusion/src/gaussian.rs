@@ -56,8 +56,8 @@ impl Gaussian {
         moved.mean.fixed_rows_mut::<3>(0).copy_from(&(rotation * self.position() + shift_m));
         moved.mean.fixed_rows_mut::<3>(3).copy_from(&(rotation * self.velocity()));
         for (row, column) in [(0, 0), (0, 3), (3, 0), (3, 3)] {
-            let block = rotation * self.covariance.fixed_view::<3, 3>(row, column) * rotation.transpose();
-            moved.covariance.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
+            let block = self.covariance.fixed_view::<3, 3>(row, column).into_owned();
+            moved.covariance.fixed_view_mut::<3, 3>(row, column).copy_from(&turned(rotation, &block));
         }
         moved
     }
@@ -100,6 +100,15 @@ impl Information {
         let covariance = factor(&self.matrix)?.inverse();
         Some(Gaussian { mean: covariance * self.vector, covariance })
     }
+}
+
+/// R B Rᵀ, in plain loops that the compiler unrolls.
+fn turned(rotation: &Matrix3<f64>, block: &Matrix3<f64>) -> Matrix3<f64> {
+    let product = |a: &Matrix3<f64>, b: &dyn Fn(usize, usize) -> f64| {
+        Matrix3::from_fn(|row, column| (0..3).map(|k| a[(row, k)] * b(k, column)).sum())
+    };
+    let once: Matrix3<f64> = product(rotation, &|k, column| block[(k, column)]);
+    product(&once, &|k, column| rotation[(column, k)])
 }
 
 /// Cholesky factor of a symmetric matrix; `None` if it is not positive definite.
