@@ -54,6 +54,8 @@ pub struct Settings {
     pub coast_s: f64,
     /// The same where no site can see it, s.
     pub hidden_s: f64,
+    /// Reports that are made later than this after the last cycle are refused, s.
+    pub patience_s: f64,
     /// Periods without a report after which a local track has ended.
     pub silent_periods: f64,
     /// Share of what a cycle says of biases that counts: the errors of a track's states are alike from scan to scan.
@@ -72,6 +74,7 @@ impl Default for Settings {
             release_after: 4,
             coast_s: 15.0,
             hidden_s: 60.0,
+            patience_s: 60.0,
             silent_periods: 3.5,
             registration_share: 0.2,
             registration_memory_s: 600.0,
@@ -103,7 +106,7 @@ pub struct Counts {
     pub waiting: u64,
     /// Older than the last of the same track, or the same again.
     pub repeated: u64,
-    /// With numbers that are no estimate.
+    /// With numbers that are no estimate, or far ahead of time.
     pub unusable: u64,
     /// Local tracks released because they no longer fitted.
     pub released: u64,
@@ -203,7 +206,9 @@ impl Fusion {
 
     /// Takes a report that a site has made at `made_ns`, measurement time: it is worked in the first cycle that ends then or later.
     pub fn take(&mut self, site: usize, report: &Report, made_ns: u64) {
-        if report.posterior.is_sound() {
+        // A clock that is far ahead would have its reports wait for ever.
+        let is_timely = self.now_ns.is_none_or(|now_ns| seconds_between(now_ns, made_ns) < self.settings.patience_s);
+        if report.posterior.is_sound() && is_timely {
             self.waiting.push(Waiting { made_ns, site: site as u16, report: *report });
         } else {
             self.sites[site].counts.unusable += 1;
@@ -632,6 +637,10 @@ impl Fusion {
         }
         for index in 0..self.systems.len() as u32 {
             let Some((twin, decisions)) = self.systems[index as usize].twin else { continue };
+            if !self.systems[index as usize].alive || !self.systems[twin as usize].alive {
+                self.systems[index as usize].twin = None;
+                continue;
+            }
             let mutual = self.systems[twin as usize].twin.is_some_and(|other| other.0 == index);
             if mutual
                 && decisions >= self.settings.attach_after

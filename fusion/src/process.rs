@@ -63,7 +63,10 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         }
         let stopping = stop_requested();
         let ended = feeds.iter().all(|feed| feed.has_ended(stopping));
-        stage.begin(&feeds, ended);
+        if stage.next.is_none() && feeds.iter().any(|feed| feed.time_ns().is_some()) {
+            let since = waiting.get_or_insert_with(Instant::now);
+            stage.begin(&feeds, ended || real_time && since.elapsed() > patience);
+        }
         while let Some(now_ns) = stage.next_ns() {
             let is_there = |feed: &Feed| feed.has_passed(now_ns) || feed.has_ended(stopping);
             let some = feeds.iter().any(|feed| feed.has_passed(now_ns));
@@ -185,11 +188,10 @@ impl Stage {
         })
     }
 
-    /// Sets the time of the first cycle once all sites have been heard, or have ended.
-    fn begin(&mut self, feeds: &[Feed], ended: bool) {
+    /// Sets the time of the first cycle once all sites have been heard; `now` says that the others are not waited for.
+    fn begin(&mut self, feeds: &[Feed], now: bool) {
         let all = feeds.iter().all(|feed| feed.time_ns().is_some());
-        if self.next.is_none()
-            && (all || ended)
+        if (all || now)
             && let Some(first_ns) = feeds.iter().filter_map(Feed::time_ns).min()
         {
             let start_ns = self.start_ns.unwrap_or(first_ns / self.cycle_ns * self.cycle_ns);
