@@ -255,6 +255,7 @@ fn needed_by(site: &ChainConfig) -> u64 {
     let cells = if topology::runs(site, "plot-extractor") { site.radar.grid().cells() } else { 0 };
     let of_topic = |topic: Topic| match topic {
         Topic::Dwells => topic.apply(Segment(Some(cells))),
+        Topic::SystemTracks if !topology::runs(site, topology::FUSION) => 0,
         Topic::HealthReports => PROCESSES * topic.apply(Segment(None)),
         _ => topic.apply(Segment(None)),
     };
