@@ -1,5 +1,4 @@
-//! Fusion of simulated tracks against the truth: accuracy, consistency, association, registration. Figures of more runs, with their
-//! intervals, are in `docs/results/fusion.md`.
+//! Fusion of simulated tracks against the truth: accuracy, consistency, association, registration.
 
 use common::geodesy::Position;
 use fusion::motion::Motion;
