@@ -63,20 +63,45 @@ fn the_centre_sees_better_than_any_radar_and_finds_their_errors() {
     }
 }
 
-/// Fusion waits for all sites, so its tracks do not depend on who comes first.
+/// Fusion waits for all sites, so its tracks do not depend on who comes first, also where one is far ahead.
 #[test]
 fn the_same_run_again_gives_the_same_system_tracks() {
     let tracks = |bench: &Bench| {
-        let result = run(bench, &["--scans", "20"]);
+        let result = run(bench, &["--scans", "20", "--set", "site.south.radar.scan_period_s=7"]);
         assert!(result.status.success(), "{}", text_of(&result));
         let mut messages = recorded(bench);
         messages.sort_by_key(|message| message.by_ref().topic()); // topics come in any order
         messages
     };
-    let (first, second) = (tracks(&Bench::new()), tracks(&Bench::new()));
-    assert!(first.len() > 100);
+    let (bench, again) = (Bench::new(), Bench::new());
+    let (first, second) = (tracks(&bench), tracks(&again));
+    assert!(first.len() > 1000, "{}", first.len());
     let differs = first.iter().zip(&second).find(|(a, b)| a != b).map(|(a, _)| (a.by_ref().topic(), a.by_ref().seq()));
     assert_eq!((first.len(), differs), (second.len(), None), "two runs of one seed differ");
+    let used = &reports(&bench).processes["centre/fusion"];
+    assert!(used.rejected.is_empty(), "{:?}", used.rejected);
+}
+
+/// In real time nobody waits for a site that says nothing.
+#[test]
+fn a_radar_that_stands_still_holds_nobody_up() {
+    let bench = Bench::new();
+    let real_time = ["--scans", "0", "--speed", "2", "--set", "run.mode=real-time", "--set", "fusion.wait_s=0.3"];
+    let running = bench.start_config(&config(), &real_time);
+    let of = |status: &Value, site: &str, process: &str, key: &str| number(status.get(site)?, process, key);
+    let centre = |status: &Value, key: &str| of(status, "centre", FUSION, key);
+    bench.wait_for("six system tracks", |status| centre(status, "confirmed").filter(|&tracks| tracks >= 6));
+    let pid = bench.wait_for("a radar", |status| of(status, "west", "radar-sim", "pid")) as u32;
+    signal(pid, "STOP");
+    let still = bench.wait_for("the last scan", |status| of(status, "west", "tracker", "scan"));
+    bench.wait_for("the centre to go on", |status| centre(status, "scan").filter(|&scan| scan > still + 12));
+    // It is as far as the radars that still turn: no wait adds to the one before.
+    bench.wait_for("the centre in time", |status| {
+        let (centre, east) = (centre(status, "scan")?, of(status, "east", "tracker", "scan")?);
+        (centre + 3 >= east).then_some(())
+    });
+    let result = running.stop();
+    assert_ne!(result.status.code(), Some(3), "{}", text_of(&result));
 }
 
 /// A centre that has died goes on at the present cycle with numbers that nobody has had, and no radar has noticed.

@@ -24,7 +24,7 @@ pub enum Reject {
     BadAmplitude,
     /// A plot with impossible values.
     BadPlot,
-    /// A plot older than what has been processed.
+    /// A plot or track older than what has been processed, or far from its time.
     Late,
     /// More elements than a message holds.
     Full,
@@ -48,11 +48,13 @@ pub enum Reject {
     ForeignSource,
     /// A byte of a recording that could not be read.
     UnreadByte,
+    /// A track whose numbers are no estimate.
+    BadTrack,
 }
 
 impl Reject {
     /// All reasons with their names in reports.
-    const NAMED: [(Self, &'static str); 16] = [
+    const NAMED: [(Self, &'static str); 17] = [
         (Self::LengthMismatch, "length_mismatch"),
         (Self::BadHeader, "bad_header"),
         (Self::BadAmplitude, "bad_amplitude"),
@@ -69,6 +71,7 @@ impl Reject {
         (Self::NotATarget, "not_a_target"),
         (Self::ForeignSource, "foreign_source"),
         (Self::UnreadByte, "unread_byte"),
+        (Self::BadTrack, "bad_track"),
     ];
 }
 

@@ -105,7 +105,7 @@ pub struct SystemTracksHeader {
     pub sites_heard: u32,
     /// Always 0: no undefined bytes.
     pub reserved: u32,
-    /// What is known of the biases of the sites, in the order of the chain; 0 where there is none.
+    /// What is known of the biases of the first sites of the chain, by their places; 0 for the centre and where there is none.
     pub biases: [SiteBias; BIASED_SITES],
 }
 

@@ -1,9 +1,11 @@
 //! What comes from one site: its tracks, its truth, and how far it has come.
 
 use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
 
 use common::config::{ChainConfig, Source};
 use common::geodesy::{FrameChange, Position};
+use common::health::Intake;
 use common::ipc::{IpcError, Station, Subscriber};
 use common::message::END_OF_STREAM;
 use common::messages::{Tracks, Truth};
@@ -13,23 +15,33 @@ use common::units::seconds_between;
 use crate::engine::Fusion;
 use crate::local::Report;
 
-/// Truth older than this is of a target that is gone, s.
-const TRUTH_AGE_S: f64 = 5.0;
+/// Truth older than so many scans is of a target that is gone.
+const TRUTH_SCANS: f64 = 1.5;
+/// A site that has never been heard by a fusion that was started again, and that nobody publishes at for so long, had ended before.
+const LONG_GONE: Duration = Duration::from_secs(10);
 
 /// The messages of a site.
 pub(crate) struct Feed {
     tracks: Subscriber<Tracks>,
     truth: Subscriber<Truth>,
     to_centre: FrameChange,
-    has_truth: bool,
+    scan_period_s: f64,
+    /// Whether its truth is that of the simulator, which numbers targets alike at all sites.
+    is_simulated: bool,
     /// Measurement time up to which its tracks are there, ns UTC.
     tracks_ns: Option<u64>,
     truth_ns: u64,
+    session: u64,
+    /// Measurement time of its first tracks, ns UTC.
+    first_ns: Option<u64>,
+    opened: Instant,
     /// States of each target, oldest first, in the axes of the centre.
     targets: BTreeMap<u32, Vec<TruthTarget>>,
     ended: bool,
     /// CLOCK_MONOTONIC at which its last tracks were published, ns.
     pub(crate) tracks_out_ns: u64,
+    /// Whether it has been said that its clock is not that of the others.
+    pub(crate) is_out_of_step: bool,
 }
 
 impl Feed {
@@ -39,44 +51,65 @@ impl Feed {
             truth: station.subscriber()?,
             tracks: station.subscriber()?,
             to_centre: FrameChange::new(&place, centre),
-            has_truth: site.run.source == Source::RadarSim,
+            scan_period_s: site.scan_period_s(),
+            is_simulated: site.run.source == Source::RadarSim,
             tracks_ns: None,
             truth_ns: 0,
+            session: 0,
+            first_ns: None,
+            opened: Instant::now(),
             targets: BTreeMap::new(),
             ended: false,
             tracks_out_ns: 0,
+            is_out_of_step: false,
         })
     }
 
-    /// Takes what waits; gives `fusion` the reports of site number `site`.
-    pub(crate) fn take_waiting(&mut self, site: usize, fusion: &mut Fusion) -> Result<(), IpcError> {
-        while let Some(message) = self.truth.receive()? {
-            self.truth_ns = self.truth_ns.max(message.header().time_ns);
-            for target in message.elements() {
-                let moved = self.in_centre(target);
-                self.targets.entry(target.target_id).or_default().push(moved);
-            }
-        }
-        while let Some(message) = self.tracks.receive()? {
+    /// Takes what waits, but no tracks beyond `limit_ns`: a site that is ahead of the others waits for them. Gives `fusion` the reports
+    /// of site number `site`.
+    pub(crate) fn take_waiting(&mut self, site: usize, limit_ns: u64, fusion: &mut Fusion) -> Result<(), IpcError> {
+        while self.tracks_ns.is_none_or(|tracks_ns| tracks_ns <= limit_ns)
+            && let Some(message) = self.tracks.receive()?
+        {
             let header = message.header();
-            self.tracks_ns = self.tracks_ns.max(Some(header.time_ns));
+            if self.session != 0 && header.session != self.session {
+                fusion.forget(site);
+            }
+            self.session = header.session;
+            self.tracks_ns = Some(header.time_ns);
+            self.first_ns.get_or_insert(header.time_ns);
             self.tracks_out_ns = self.tracks_out_ns.max(header.stamps.tracks_out_ns);
             self.ended |= header.has(END_OF_STREAM);
-            for report in message.elements().iter().filter_map(Report::from_track) {
-                fusion.take(site, &report, header.time_ns);
+            for track in message.elements() {
+                fusion.take(site, &Report::from_track(track), header.time_ns);
+            }
+        }
+        // After the tracks, so that the truth that they are scored by is there.
+        while let Some(message) = self.truth.receive()? {
+            self.truth_ns = self.truth_ns.max(message.header().time_ns);
+            for target in message.elements().iter().filter(|_| self.is_simulated) {
+                let moved = self.in_centre(target);
+                self.targets.entry(target.target_id).or_default().push(moved);
             }
         }
         Ok(())
     }
 
-    /// Whether nothing follows; `stopping` says whether the chain has been asked to end, so that nobody publishes any more.
-    pub(crate) fn has_ended(&self, stopping: bool) -> bool {
-        self.ended || stopping && self.tracks.publishers() == 0
+    /// Whether nothing follows; `stopping` says whether the chain has been asked to end, so that nobody publishes any more, and
+    /// `again` whether this process has been started again, so that the end may have passed it.
+    pub(crate) fn has_ended(&self, stopping: bool, again: bool) -> bool {
+        let passed = again && self.tracks_ns.is_none() && self.opened.elapsed() > LONG_GONE;
+        self.ended || (stopping || passed) && self.tracks.publishers() == 0
     }
 
-    /// Whether everything that it has to say up to `now_ns` is there.
+    /// Whether its tracks up to `now_ns` are there.
     pub(crate) fn has_passed(&self, now_ns: u64) -> bool {
-        self.tracks_ns.is_some_and(|tracks_ns| tracks_ns >= now_ns) && (!self.has_truth || self.truth_ns >= now_ns)
+        self.tracks_ns.is_some_and(|tracks_ns| tracks_ns >= now_ns)
+    }
+
+    /// Whether its truth up to `now_ns` is there, if it has any.
+    pub(crate) fn has_told_truth(&self, now_ns: u64) -> bool {
+        !self.is_simulated || self.truth_ns >= now_ns
     }
 
     /// Measurement time of its last tracks, ns UTC.
@@ -84,25 +117,35 @@ impl Feed {
         self.tracks_ns
     }
 
+    /// Measurement time of its first tracks, ns UTC.
+    pub(crate) fn first_ns(&self) -> Option<u64> {
+        self.first_ns
+    }
+
     /// Messages received and missed.
-    pub(crate) fn intake(&self) -> common::health::Intake {
+    pub(crate) fn intake(&self) -> Intake {
         self.tracks.intake()
     }
 
-    /// The targets as they are at `now_ns`; of each site the last state before.
-    pub(crate) fn truth_at(&mut self, now_ns: u64, put: &mut BTreeMap<u32, TruthTarget>) {
+    /// Puts the targets as they are at `now_ns`, with the time of what is known of each, unless something newer is known already.
+    pub(crate) fn truth_at(&mut self, now_ns: u64, put: &mut BTreeMap<u32, (u64, TruthTarget)>) {
+        let oldest_s = TRUTH_SCANS * self.scan_period_s;
         self.targets.retain(|_, states| {
             let known = states.partition_point(|state| state.time_ns <= now_ns);
             states.drain(..known.saturating_sub(1));
-            states.first().is_some_and(|first| seconds_between(first.time_ns, now_ns) < TRUTH_AGE_S)
+            states.last().is_some_and(|last| seconds_between(last.time_ns, now_ns) < oldest_s)
         });
         for (&id, states) in &self.targets {
-            let Some(state) = states.first().filter(|state| state.time_ns <= now_ns) else { continue };
+            let is_known = |state: &&TruthTarget| (0.0..oldest_s).contains(&seconds_between(state.time_ns, now_ns));
+            let Some(state) = states.first().filter(is_known) else { continue };
             let moved = at(state, now_ns);
-            let entry = put.entry(id).or_insert(moved);
-            // The state that is nearest in time says most; whoever sees the target says that it can be seen.
+            // Whoever sees the target says that it can be seen.
+            let (time_ns, entry) = put.entry(id).or_insert((state.time_ns, moved));
             let flags = entry.flags | moved.flags;
-            *entry = TruthTarget { flags, ..*entry };
+            if state.time_ns > *time_ns {
+                (*time_ns, *entry) = (state.time_ns, moved);
+            }
+            entry.flags = flags;
         }
     }
 

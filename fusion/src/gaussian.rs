@@ -4,6 +4,10 @@ use nalgebra::{Cholesky, Const, Matrix3, SMatrix, SVector, Vector3};
 
 /// Components of a state [x y z ẋ ẏ ż]: m, m/s.
 pub const STATE: usize = 6;
+/// Farther or faster than this is no target, m, m/s.
+const FARTHEST: f64 = 1e8;
+/// What no radar knows of anything, m², m²/s².
+const LEAST_VARIANCE: f64 = 1e-6;
 /// A state.
 pub type Vector = SVector<f64, STATE>;
 /// A covariance, or its inverse.
@@ -42,6 +46,11 @@ impl Gaussian {
     /// Velocity, m/s.
     pub fn velocity(&self) -> Vector3<f64> {
         self.mean.fixed_rows::<3>(3).into_owned()
+    }
+
+    /// Variance of the place on the ground, east and north together, m².
+    pub fn ground_variance(&self) -> f64 {
+        self.covariance[(0, 0)] + self.covariance[(1, 1)]
     }
 
     /// Covariance of the position, m².
@@ -87,10 +96,12 @@ impl Gaussian {
         to
     }
 
-    /// Whether every number of it is finite and variances are positive.
+    /// Whether it is an estimate: a place that targets can be at, and a covariance that is positive definite.
     pub fn is_sound(&self) -> bool {
-        let finite = self.mean.iter().chain(self.covariance.iter()).all(|value| value.is_finite());
-        finite && (0..STATE).all(|i| self.covariance[(i, i)] > 0.0)
+        let possible = self.mean.iter().all(|value| value.abs() < FARTHEST);
+        let spread =
+            (0..STATE).all(|axis| (LEAST_VARIANCE..FARTHEST * FARTHEST).contains(&self.covariance[(axis, axis)]));
+        possible && spread && factor(&self.covariance).is_some()
     }
 }
 

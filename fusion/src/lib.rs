@@ -18,8 +18,11 @@ pub mod outliers;
 pub mod process;
 pub mod registration;
 pub mod rules;
+mod settings;
 pub mod simulation;
 mod system;
+mod turn;
 
-pub use engine::{Counts, Fusion, Settings, Site};
+pub use engine::Fusion;
+pub use settings::{Counts, Settings, Site};
 pub use system::{CONTRIBUTORS, Contributor, SystemTrack};

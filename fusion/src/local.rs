@@ -31,18 +31,18 @@ pub struct Report {
 }
 
 impl Report {
-    /// From a track message; `None` if its numbers are no estimate.
-    pub fn from_track(track: &Track) -> Option<Self> {
+    /// From a track message.
+    pub fn from_track(track: &Track) -> Self {
         let posterior = gaussian(&track.state, &track.covariance);
         let prediction = gaussian(&track.predicted_state, &track.predicted_covariance);
-        posterior.is_sound().then_some(Self {
+        Self {
             id: track.id,
             time_ns: track.time_ns,
             posterior,
             prediction: prediction.is_sound().then_some(prediction),
             confirmed: track.state_code == CONFIRMED || track.state_code == COASTING,
             ended: track.state_code == TERMINATED,
-        })
+        }
     }
 }
 

@@ -5,17 +5,15 @@
 //! z = Lᵀ x + n,  n ~ N(0, 1)
 //! ```
 //!
-//! x, P here are the moments of what the radar measures: the position, and the range rate if it is a Doppler radar. That is
-//! exact for a Kalman filter, since the measurement depends on nothing else; and where a filter has several models, what changes
-//! between them in the other components is not taken for a measurement. In the form of z the information is absorbed by any prediction, and
+//! x, P here are the moments of what the radar measures, the position. That is exact for a Kalman filter, since the measurement
+//! depends on nothing else; and where a filter has several models, what changes between them in the other components is not taken for
+//! a measurement. What a Doppler radar knows of the range rate is left out. In the form of z the information is absorbed by any prediction, and
 //! says how likely it was with it.
 
-use nalgebra::{Cholesky, Const, DimMin, SMatrix, SVector, Vector3};
+use nalgebra::{Cholesky, Matrix3, SMatrix, Vector3};
 
-use crate::gaussian::{Gaussian, STATE};
+use crate::gaussian::{Gaussian, Matrix, STATE, Vector};
 
-/// Most numbers that a radar measures of a target.
-const MOST: usize = 4;
 /// Share of the information after an update below which a part of the gain is rounding.
 const ROUNDING: f64 = 1e-9;
 /// Share of the information that an update may seem to have lost.
@@ -25,9 +23,9 @@ const LOSS: f64 = 1e-2;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement {
     /// L, columns beyond the last number 0.
-    root: SMatrix<f64, STATE, MOST>,
+    root: SMatrix<f64, STATE, 3>,
     /// z.
-    value: SVector<f64, MOST>,
+    value: Vector3<f64>,
     /// How many numbers.
     pub count: usize,
 }
@@ -46,34 +44,13 @@ impl Measurement {
     /// made it.
     pub fn of_position(after: &Gaussian, before: &Gaussian) -> Option<Self> {
         let weight = |of: &Gaussian| of.position_covariance().try_inverse();
-        let measured = SMatrix::<f64, 3, STATE>::identity();
-        Self::gained([weight(after)?, weight(before)?], [after.position(), before.position()], &measured)
-    }
-
-    /// The same of the position and the velocity along the line of sight, a unit vector.
-    pub fn with_range_rate(after: &Gaussian, before: &Gaussian, sight: &Vector3<f64>) -> Option<Self> {
-        let mut measured = SMatrix::<f64, MOST, STATE>::identity();
-        measured[(3, 3)] = 0.0;
-        measured.fixed_view_mut::<1, 3>(3, 3).copy_from(&sight.transpose());
-        let weight = |of: &Gaussian| (measured * of.covariance * measured.transpose()).try_inverse();
-        Self::gained([weight(after)?, weight(before)?], [measured * after.mean, measured * before.mean], &measured)
-    }
-
-    /// From inverse covariances and means of what is measured, after and before.
-    fn gained<const N: usize>(
-        [after_y, before_y]: [SMatrix<f64, N, N>; 2],
-        [after, before]: [SVector<f64, N>; 2],
-        measured: &SMatrix<f64, N, STATE>,
-    ) -> Option<Self>
-    where
-        Const<N>: DimMin<Const<N>, Output = Const<N>>,
-    {
+        let (after_y, before_y) = (weight(after)?, weight(before)?);
         let mut rest = after_y - before_y;
-        let mut own = SMatrix::<f64, N, N>::zeros();
+        let mut own = Matrix3::zeros();
         let mut count = 0;
-        let share = |rest: &SMatrix<f64, N, N>, i: usize| rest[(i, i)] / after_y[(i, i)];
-        while count < N {
-            let most = (0..N).fold(0, |best, i| if share(&rest, i) > share(&rest, best) { i } else { best });
+        let share = |rest: &Matrix3<f64>, i: usize| rest[(i, i)] / after_y[(i, i)];
+        while count < 3 {
+            let most = (0..3).fold(0, |best, i| if share(&rest, i) > share(&rest, best) { i } else { best });
             if share(&rest, most) <= ROUNDING {
                 break;
             }
@@ -82,17 +59,16 @@ impl Measurement {
             own.set_column(count, &column);
             count += 1;
         }
-        if (0..N).any(|i| share(&rest, i) < -LOSS) {
+        if (0..3).any(|i| share(&rest, i) < -LOSS) {
             return None;
         }
         let mut squares = own.tr_mul(&own);
-        (count..N).for_each(|i| squares[(i, i)] = 1.0);
-        let gain = after_y * after - before_y * before;
-        let own_value = Cholesky::new(squares)?.solve(&own.tr_mul(&gain));
-        let mut of = Self { root: SMatrix::zeros(), value: SVector::zeros(), count };
-        of.root.fixed_columns_mut::<N>(0).copy_from(&(measured.transpose() * own));
-        of.value.fixed_rows_mut::<N>(0).copy_from(&own_value);
-        Some(of)
+        (count..3).for_each(|i| squares[(i, i)] = 1.0);
+        let gain = after_y * after.position() - before_y * before.position();
+        let value = Cholesky::new(squares)?.solve(&own.tr_mul(&gain));
+        let mut root = SMatrix::<f64, STATE, 3>::zeros();
+        root.fixed_rows_mut::<3>(0).copy_from(&own);
+        Some(Self { root, value, count })
     }
 
     /// The same of the state `age_s` s later, during which the target may have accelerated with the power density `noise`.
@@ -105,9 +81,9 @@ impl Measurement {
                 root[(row + 3, column)] -= age_s * self.root[(row, column)];
             }
         }
-        let none = Gaussian { mean: SVector::zeros(), covariance: SMatrix::zeros() };
+        let none = Gaussian { mean: Vector::zeros(), covariance: Matrix::zeros() };
         let drift = none.predicted(age_s, noise).covariance;
-        let noise = SMatrix::identity() + root.tr_mul(&(drift * root));
+        let noise = Matrix3::identity() + root.tr_mul(&(drift * root));
         let Some(whitening) = Cholesky::new(noise) else { return *self };
         let lower = whitening.l();
         let turned = lower.solve_lower_triangular(&root.transpose()).map_or(root, |rows| rows.transpose());
@@ -143,7 +119,6 @@ impl Measurement {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gaussian::{Matrix, Vector};
     use approx::assert_relative_eq;
 
     fn prediction() -> Gaussian {
@@ -182,24 +157,6 @@ mod tests {
         let (before, after) = (prediction(), updated(&prediction(), 0.0));
         assert_eq!(Measurement::of_position(&before, &after), None);
         assert_eq!(Measurement::of_position(&before, &before).map(|nothing| nothing.count), Some(0));
-    }
-
-    #[test]
-    fn a_range_rate_is_a_fourth_number() {
-        let before = prediction();
-        let sight = Vector3::new(0.6, 0.8, 0.0);
-        let mut along = Vector::zeros();
-        along.fixed_rows_mut::<3>(3).copy_from(&sight);
-        let mut information = updated(&before, 7.0).information().expect("a covariance");
-        information.matrix += along * along.transpose() / 4.0;
-        information.vector += along * (along.dot(&before.mean) + 2.0) / 4.0;
-        let after = information.moments().expect("positive definite");
-        let measurement = Measurement::with_range_rate(&after, &before, &sight).expect("a gain");
-        let mut again = before;
-        measurement.absorb(&mut again);
-        assert_eq!(measurement.count, 4);
-        assert_relative_eq!(again.mean, after.mean, max_relative = 1e-9);
-        assert_relative_eq!(again.covariance, after.covariance, max_relative = 1e-7, epsilon = 1e-7);
     }
 
     /// Absorbed late is absorbed in time and predicted, where the target did not accelerate.

@@ -21,8 +21,8 @@ impl Centre {
         Self { axes: enu_axes(position), ecef_m: ecef_m(position) }
     }
 
-    /// With contributors and place on the earth.
-    pub(crate) fn system_track(&self, track: &SystemTrack<'_>) -> system_tracks::SystemTrack {
+    /// With contributors and place on the earth; `places` are those of the fused sites among the sites of the chain.
+    pub(crate) fn system_track(&self, track: &SystemTrack<'_>, places: &[u32]) -> system_tracks::SystemTrack {
         let estimate = &track.estimate;
         let place = Ellipsoid::WGS84.position(&(self.ecef_m + self.axes.transpose() * estimate.position()));
         let mut of = system_tracks::SystemTrack {
@@ -44,7 +44,8 @@ impl Centre {
             }
         }
         for (place, contributor) in of.contributors.iter_mut().zip(track.contributors.iter().take(CONTRIBUTORS)) {
-            *place = system_tracks::Contributor { id: contributor.id, site: contributor.site.into(), reserved: 0 };
+            *place =
+                system_tracks::Contributor { id: contributor.id, site: places[contributor.site as usize], reserved: 0 };
         }
         of
     }

@@ -4,35 +4,38 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use common::angle;
 use common::config::{ChainConfig, FusionConfig, Mode, Sites, Source};
 use common::geodesy::Position;
-use common::health::Intake;
+use common::health::{Intake, Reject, Rejected};
 use common::ipc::{Domain, Flow, Publisher, Station, attend};
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, Stamps, TRUNCATED};
 use common::messages::{Message, SystemTracks, Tracks, Truth};
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
-use common::system_tracks::{MAX_SYSTEM_TRACKS, SiteBias, SystemTrack, SystemTracksHeader};
+use common::system_tracks::{MAX_SYSTEM_TRACKS, SystemTrack, SystemTracksHeader};
 use common::time::monotonic_ns;
 use common::topic::Topic;
 use common::topology::FUSION;
 use common::tracks::{MAX_TRACKS, Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget};
-use common::units::NS_PER_S;
+use common::units::{NS_PER_S, seconds_between};
 use tracing::info;
 
-use crate::engine::{Fusion, Settings, Site};
+use crate::engine::Fusion;
 use crate::feed::Feed;
 use crate::motion::Motion;
 use crate::outgoing::{Centre, track};
-use crate::registration::{BIASES, Bias};
+use crate::registration::Bias;
+use crate::settings::{Settings, Site};
+use crate::turn::Turn;
 
 /// Name of the process.
 pub const NAME: &str = FUSION;
+/// A day, s.
+const DAY_S: f64 = 86_400.0;
 
 /// Runs the process until the tracks of all other sites have ended.
 ///
@@ -52,34 +55,25 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     }
     let wakes: Vec<_> = wakes.iter().collect();
     let mut reporter = HealthReporter::new(&station, &chain, stage.session, refused)?;
-    let real_time = chain.run.mode == Mode::RealTime;
-    let patience = Duration::try_from_secs_f64(chain.fusion.wait_s).unwrap_or(Duration::MAX);
-    // Since when a cycle waits for a site.
-    let mut waiting: Option<Instant> = None;
+    let mut turn = Turn::new(&chain);
 
     attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
+        let limit_ns = turn.limit_ns(stage.next_ns());
         for (site, feed) in feeds.iter_mut().enumerate() {
-            feed.take_waiting(site, &mut stage.fusion)?;
+            feed.take_waiting(site, limit_ns, &mut stage.fusion)?;
         }
-        let stopping = stop_requested();
-        let ended = feeds.iter().all(|feed| feed.has_ended(stopping));
-        if stage.next.is_none() && feeds.iter().any(|feed| feed.time_ns().is_some()) {
-            let since = waiting.get_or_insert_with(Instant::now);
-            stage.begin(&feeds, ended || real_time && since.elapsed() > patience);
+        turn.stopping = stop_requested();
+        turn.find_out_of_step(&mut feeds, &others);
+        if stage.next.is_none() {
+            stage.begin(&feeds, &turn);
         }
-        while let Some(now_ns) = stage.next_ns() {
-            let is_there = |feed: &Feed| feed.has_passed(now_ns) || feed.has_ended(stopping);
-            let some = feeds.iter().any(|feed| feed.has_passed(now_ns));
-            let overdue = real_time && waiting.is_some_and(|since| since.elapsed() > patience);
-            if !some || !(overdue || feeds.iter().all(is_there)) {
-                if some {
-                    waiting.get_or_insert_with(Instant::now);
-                }
-                break;
-            }
-            waiting = None;
+        let mut worked = false;
+        while let Some(now_ns) = stage.next_ns().filter(|&now_ns| turn.is_due(now_ns, &feeds)) {
             stage.cycle(now_ns, 0, &mut feeds)?;
+            stage.skip_days(&feeds);
+            worked = true;
         }
+        let ended = feeds.iter().all(|feed| turn.has_ended(feed));
         if ended {
             stage.cycle(stage.next_ns().unwrap_or(0), END_OF_STREAM, &mut feeds)?;
         }
@@ -88,7 +82,11 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             reporter.health.ended = u32::from(ended);
             reporter.publish()?;
         }
-        Ok(if ended { Flow::End } else { Flow::Wait })
+        Ok(match (ended, worked) {
+            (true, _) => Flow::End,
+            (false, true) => Flow::Again, // what has been held back may come now
+            (false, false) => Flow::Wait,
+        })
     })?;
     stage.say_biases(&others);
     stage.tracks_out.linger();
@@ -105,7 +103,8 @@ fn others(sites: &Sites) -> impl Iterator<Item = &ChainConfig> {
     sites.all().iter().filter(|site| site.run.source != Source::Fusion)
 }
 
-fn settings(config: &FusionConfig) -> Settings {
+fn settings(chain: &ChainConfig) -> Settings {
+    let (config, default) = (&chain.fusion, Settings::default());
     Settings {
         motion: Motion {
             noise: [config.straight_noise, config.manoeuvre_noise],
@@ -113,7 +112,9 @@ fn settings(config: &FusionConfig) -> Settings {
         },
         coast_s: config.coast_s,
         hidden_s: config.hidden_s,
-        ..Settings::default()
+        // In lossless mode all wait for all, so that nothing is too early or too late.
+        patience_s: if chain.run.mode == Mode::RealTime { default.patience_s } else { f64::INFINITY },
+        ..default
     }
 }
 
@@ -139,6 +140,8 @@ struct Stage {
     fusion: Fusion,
     centre_position: Position,
     centre: Centre,
+    /// Place of each fused site among those of the chain.
+    places: Vec<u32>,
     sectors: u32,
     cycle_s: f64,
     cycle_ns: u64,
@@ -146,6 +149,8 @@ struct Stage {
     start_ns: Option<u64>,
     /// Where that is kept for one that is started again.
     start_file: PathBuf,
+    /// Number of the first cycle where nothing is heard any more.
+    first_cycle: u32,
     /// Number of the next cycle; `None` while this process has not begun.
     next: Option<u32>,
     session: u64,
@@ -164,17 +169,20 @@ impl Stage {
         let centre_position = chain.site.position.context("the centre has no position")?;
         let of_fusion: Vec<Site> = others(sites).map(|other| site(other, &centre_position, &chain.fusion)).collect();
         let sectors = chain.fusion.sectors;
+        let numbered = sites.all().iter().enumerate();
+        let places = numbered.filter(|(_, site)| site.run.source != Source::Fusion).map(|(place, _)| place as u32);
         let start_file = Domain::root(&chain.ipc).join(format!("fusion-start-{}", chain.site.name));
         Ok(Self {
-            fusion: Fusion::new(&centre_position, &of_fusion, settings(&chain.fusion))
-                .numbered_from(chain.run.first_track),
+            fusion: Fusion::new(&centre_position, &of_fusion, settings(chain)).numbered_from(chain.run.first_track),
             centre: Centre::new(&centre_position),
             centre_position,
+            places: places.collect(),
             sectors,
             cycle_s: chain.fusion.cycle_s,
             cycle_ns: (chain.fusion.cycle_s * NS_PER_S) as u64,
             start_ns: (chain.run.first_scan > 0).then(|| read_start(&start_file)).flatten(),
             start_file,
+            first_cycle: chain.run.first_scan,
             next: None,
             session: new_session(),
             tracks_out: station.publisher::<Tracks>(Tracks::MOST)?,
@@ -188,17 +196,34 @@ impl Stage {
         })
     }
 
-    /// Sets the time of the first cycle once all sites have been heard; `now` says that the others are not waited for.
-    fn begin(&mut self, feeds: &[Feed], now: bool) {
-        let all = feeds.iter().all(|feed| feed.time_ns().is_some());
-        if (all || now)
-            && let Some(first_ns) = feeds.iter().filter_map(Feed::time_ns).min()
+    /// Sets the time of the first cycle once all sites have been heard that are waited for.
+    fn begin(&mut self, feeds: &[Feed], turn: &Turn) {
+        let first_ns = feeds.iter().filter(|feed| !feed.is_out_of_step).filter_map(Feed::first_ns).min();
+        let all = feeds.iter().all(|feed| feed.first_ns().is_some() || turn.has_ended(feed));
+        if let Some(first_ns) = first_ns
+            && (all || turn.is_overdue(first_ns, feeds))
         {
             let start_ns = self.start_ns.unwrap_or(first_ns / self.cycle_ns * self.cycle_ns);
             self.start_ns = Some(start_ns);
-            self.next = Some((first_ns.saturating_sub(start_ns) / self.cycle_ns) as u32);
+            self.next = Some(self.number_at(first_ns));
             // Without it one that is started again would only number its cycles anew.
             let _ = std::fs::write(&self.start_file, start_ns.to_string());
+        }
+    }
+
+    /// Number of the cycle that a time belongs to.
+    fn number_at(&self, time_ns: u64) -> u32 {
+        (time_ns.saturating_sub(self.start_ns.unwrap_or(time_ns)) / self.cycle_ns) as u32
+    }
+
+    /// Leaves out the cycles of days in which no site has anything: a clock was wrong, or a recording has a hole.
+    fn skip_days(&mut self, feeds: &[Feed]) {
+        let earliest_ns = feeds.iter().filter_map(Feed::time_ns).min();
+        if let (Some(next_ns), Some(earliest_ns)) = (self.next_ns(), earliest_ns)
+            && self.fusion.is_empty()
+            && seconds_between(next_ns, earliest_ns) > DAY_S
+        {
+            self.next = Some(self.number_at(earliest_ns));
         }
     }
 
@@ -209,7 +234,7 @@ impl Stage {
 
     fn cycle(&mut self, now_ns: u64, flags: u32, feeds: &mut [Feed]) -> anyhow::Result<()> {
         self.fusion.cycle(now_ns);
-        let number = self.next.unwrap_or(0);
+        let number = self.next.unwrap_or(self.first_cycle);
         self.next = Some(number + 1);
         let mut truth = BTreeMap::new();
         for feed in feeds.iter_mut() {
@@ -223,8 +248,13 @@ impl Stage {
         Ok(())
     }
 
-    fn publish_truth(&mut self, number: u32, now_ns: u64, truth: &BTreeMap<u32, TruthTarget>) -> anyhow::Result<()> {
-        let targets: Vec<TruthTarget> = truth.values().copied().take(Truth::MOST).collect();
+    fn publish_truth(
+        &mut self,
+        number: u32,
+        now_ns: u64,
+        truth: &BTreeMap<u32, (u64, TruthTarget)>,
+    ) -> anyhow::Result<()> {
+        let targets: Vec<TruthTarget> = truth.values().map(|of| of.1).take(Truth::MOST).collect();
         let header = TruthHeader {
             seq: number.into(),
             session: self.session,
@@ -239,7 +269,7 @@ impl Stage {
 
     fn publish_system_tracks(&mut self, number: u32, now_ns: u64, flags: u32, feeds: &[Feed]) -> anyhow::Result<()> {
         self.told.clear();
-        self.told.extend(self.fusion.system_tracks().map(|track| self.centre.system_track(&track)));
+        self.told.extend(self.fusion.system_tracks().map(|track| self.centre.system_track(&track, &self.places)));
         let mut header = SystemTracksHeader {
             seq: number.into(),
             session: self.session,
@@ -255,11 +285,12 @@ impl Stage {
             header.flags |= TRUNCATED;
             self.told.truncate(MAX_SYSTEM_TRACKS);
         }
-        for (number, place) in header.biases.iter_mut().enumerate().take(self.fusion.registration().sites()) {
-            let (bias, covariance) =
-                (self.fusion.registration().bias(number), self.fusion.registration().covariance(number, number));
-            let of = |value: &dyn Fn(usize) -> f64| -> [f32; BIASES] { std::array::from_fn(|i| value(i) as f32) };
-            *place = SiteBias { bias: of(&|i| bias[i]), sigma: of(&|i| covariance[(i, i)].sqrt()) };
+        let registration = self.fusion.registration();
+        for (number, &place) in self.places.iter().enumerate() {
+            let Some(told) = header.biases.get_mut(place as usize) else { continue };
+            let (bias, covariance) = (registration.bias(number), registration.covariance(number, number));
+            told.bias = std::array::from_fn(|i| bias[i] as f32);
+            told.sigma = std::array::from_fn(|i| covariance[(i, i)].sqrt() as f32);
         }
         let published = self.system_out.publish(&header, &self.told, |header| header.fused_out_ns = monotonic_ns());
         published.context("publishing system tracks")
@@ -319,6 +350,12 @@ impl Stage {
             last_seq: of.last_seq,
         });
         health.set_intake(Topic::Tracks, sum);
+        let mut rejected = Rejected::default();
+        for counts in (0..feeds.len()).map(|site| self.fusion.counts(site)) {
+            rejected.count_many(Reject::Late, counts.untimely + counts.repeated);
+            rejected.count_many(Reject::BadTrack, counts.unsound);
+        }
+        health.set_rejected(&rejected);
     }
 
     fn say_biases(&self, sites: &[&ChainConfig]) {

@@ -137,16 +137,6 @@ impl Registration {
         self.normal *= 1.0 - share;
         self.right *= 1.0 - share;
     }
-
-    /// Begins anew with one radar: it is another one now, or has been moved.
-    pub fn reset(&mut self, site: usize) {
-        let rows = site * BIASES..(site + 1) * BIASES;
-        for row in rows {
-            self.normal.row_mut(row).fill(0.0);
-            self.normal.column_mut(row).fill(0.0);
-            self.right[row] = 0.0;
-        }
-    }
 }
 
 /// χ² of a deviation where the bias itself is uncertain.

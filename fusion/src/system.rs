@@ -1,5 +1,6 @@
 //! A system track: what all sites together know of a target.
 
+use crate::engine::Decision;
 use crate::gaussian::Gaussian;
 use crate::motion::Moving;
 
@@ -46,8 +47,10 @@ pub(crate) struct System {
     /// Time since which nobody contributes.
     pub(crate) alone_since_ns: Option<u64>,
     pub(crate) coasting: u32,
-    /// Another system track that may be the same target, and decisions in a row that it is.
-    pub(crate) twin: Option<(u32, u32)>,
+    /// For another system track that may be the same target.
+    pub(crate) twin: Option<Decision>,
+    /// Whether it has become part of another.
+    pub(crate) merged: bool,
     /// Whether the last cycle has ended it.
     pub(crate) ended: bool,
     /// Whether the place holds a track at all.
@@ -55,6 +58,11 @@ pub(crate) struct System {
 }
 
 impl System {
+    /// Whether local tracks may become part of it.
+    pub(crate) fn is_open(&self) -> bool {
+        self.alive && !self.merged
+    }
+
     pub(crate) fn contributes(&self, site: u16) -> bool {
         self.contributors.iter().any(|of| of.site == site)
     }
