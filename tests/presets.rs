@@ -48,7 +48,7 @@ fn false_alarms_far_from_what_is_set_are_said() {
     let bench = Bench::new();
     let spiky = ["sim.clutter.range_m=20000", "sim.clutter.shape=0.6", "sim.clutter.cnr_db=15"];
     let result = run(&bench, "coastal.toml", &["--scans=20", "--set", spiky[0], "--set", spiky[1], "--set", spiky[2]]);
-    assert!(text_of(&result).contains("WARNING false alarms per cell"), "{}", text_of(&result));
+    assert!(text_of(&result).contains("WARNING tracker: false alarms per cell"), "{}", text_of(&result));
     let told = bench.report().processes["tracker"].false_alarms.expect("measured");
     assert!(told.is_off() && told.measured > 10.0 * told.set, "{told:?}");
 }

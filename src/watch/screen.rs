@@ -179,8 +179,10 @@ fn write_site(text: &mut String, chain: &ChainConfig, board: &SiteBoard, restart
         }
         text.push('\n');
     }
-    for warning in board.all().filter_map(|(_, health, _)| health.false_alarms.warning()) {
-        let _ = writeln!(text, "WARNING {warning}");
+    for (name, health, _) in board.all() {
+        if let Some(warning) = health.false_alarms.warning() {
+            let _ = writeln!(text, "WARNING {name}: {warning}");
+        }
     }
     for of in board.observers() {
         let _ = writeln!(text, "observer {} has missed {} {}", of.observer, of.lost, of.topic);

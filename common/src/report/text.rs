@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::health::FalseAlarms;
 use crate::latency::LATENCY_NAMES;
 
 use super::{Detection, LimitResult, Percentiles, Report, TrackSummary, Tracking};
@@ -116,8 +117,10 @@ impl Report {
             }
             writeln!(out)?;
         }
-        for warning in self.processes.values().filter_map(|used| used.false_alarms?.warning()) {
-            writeln!(out, "WARNING {warning}")?;
+        for (name, used) in &self.processes {
+            if let Some(warning) = used.false_alarms.and_then(FalseAlarms::warning) {
+                writeln!(out, "WARNING {name}: {warning}")?;
+            }
         }
         Ok(())
     }
