@@ -15,7 +15,7 @@ use common::tracks::{
     COASTING, KIND_COORDINATED_TURN, KIND_MANOEUVRE, KIND_MEAN_ACCELERATION, STATE, TENTATIVE, TERMINATED, Track,
     TracksHeader,
 };
-use common::units::NS_PER_S;
+use common::units::{DAY_NS, NS_PER_S};
 
 /// Largest datagram, octets: it fits into one packet of an Ethernet.
 const LARGEST: usize = 1400;
@@ -24,8 +24,6 @@ const NO_HEIGHT_M: f64 = 2000.0;
 /// A slower climb or descent is level flight, m/s; a slower change of speed is none, m/s².
 const LEVEL_MPS: f64 = 1.5;
 const EVEN_MPS2: f64 = 0.5;
-/// Nanoseconds of a day.
-const DAY_NS: u64 = 86_400_000_000_000;
 /// A track without plots for so long has ended, though no message has said so, ns.
 const FORGOTTEN_NS: u64 = 600_000_000_000;
 
