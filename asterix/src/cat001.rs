@@ -1,6 +1,5 @@
 //! Category 001, edition 1.4: monoradar target reports of older radars.
 
-use crate::definition::Profile;
 use crate::field::Field;
 use crate::record::Record;
 use crate::report::{Artificial, FL_M, NM_M, SourceId, TargetReport, TimeOfDay, radians};
@@ -24,32 +23,32 @@ struct Fields {
 }
 
 impl Fields {
-    const fn of(profile: &Profile) -> Self {
+    const fn of<const PROFILE: usize>() -> Self {
         Self {
-            time_of_day: Field::in_profile(profile, "141"),
-            range: Field::in_profile(profile, "040/RHO"),
-            azimuth: Field::in_profile(profile, "040/THETA"),
-            height: Field::in_profile(profile, "090/HGT"),
-            amplitude: Field::in_profile(profile, "131"),
-            radial_velocity: Field::in_profile(profile, "120"),
-            mode_3a: Field::in_profile(profile, "070/MODE3A"),
+            time_of_day: field!(CAT001_1_4, PROFILE, "141"),
+            range: field!(CAT001_1_4, PROFILE, "040/RHO"),
+            azimuth: field!(CAT001_1_4, PROFILE, "040/THETA"),
+            height: field!(CAT001_1_4, PROFILE, "090/HGT"),
+            amplitude: field!(CAT001_1_4, PROFILE, "131"),
+            radial_velocity: field!(CAT001_1_4, PROFILE, "120"),
+            mode_3a: field!(CAT001_1_4, PROFILE, "070/MODE3A"),
         }
     }
 }
 
-const PLOT: Fields = Fields::of(&CAT001_1_4.profiles[0]);
-const TRACK: Fields = Fields::of(&CAT001_1_4.profiles[1]);
+const PLOT: Fields = Fields::of::<0>();
+const TRACK: Fields = Fields::of::<1>();
 
-const SAC: Field = Field::of(CAT001_1_4, "010/SAC");
-const SIC: Field = Field::of(CAT001_1_4, "010/SIC");
-const IS_TRACK: Field = Field::of(CAT001_1_4, "020/TYP");
-const SIMULATED: Field = Field::of(CAT001_1_4, "020/SIM");
-const DETECTION: Field = Field::of(CAT001_1_4, "020/SSRPSR");
-const MONITOR: Field = Field::of(CAT001_1_4, "020/RAB");
-const TEST: Field = Field::of(CAT001_1_4, "020/TST");
-const TRACK_NUMBER: Field = Field::in_profile(&CAT001_1_4.profiles[1], "161");
-const TRACK_X: Field = Field::in_profile(&CAT001_1_4.profiles[1], "042/X");
-const TRACK_Y: Field = Field::in_profile(&CAT001_1_4.profiles[1], "042/Y");
+const SAC: Field = field!(CAT001_1_4, "010/SAC");
+const SIC: Field = field!(CAT001_1_4, "010/SIC");
+const IS_TRACK: Field = field!(CAT001_1_4, "020/TYP");
+const SIMULATED: Field = field!(CAT001_1_4, "020/SIM");
+const DETECTION: Field = field!(CAT001_1_4, "020/SSRPSR");
+const MONITOR: Field = field!(CAT001_1_4, "020/RAB");
+const TEST: Field = field!(CAT001_1_4, "020/TST");
+const TRACK_NUMBER: Field = field!(CAT001_1_4, 1, "161");
+const TRACK_X: Field = field!(CAT001_1_4, 1, "042/X");
+const TRACK_Y: Field = field!(CAT001_1_4, 1, "042/Y");
 
 /// A target report; of a track without range and azimuth, those of its position.
 pub(crate) fn target_report(record: &Record<'_>) -> TargetReport {

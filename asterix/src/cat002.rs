@@ -8,12 +8,12 @@ use crate::tables::CAT002_1_2;
 /// The category.
 pub const CATEGORY: u8 = CAT002_1_2.category;
 
-const SAC: Field = Field::of(CAT002_1_2, "010/SAC");
-const SIC: Field = Field::of(CAT002_1_2, "010/SIC");
-const MESSAGE_TYPE: Field = Field::of(CAT002_1_2, "000");
-const SECTOR: Field = Field::of(CAT002_1_2, "020");
-const TIME_OF_DAY: Field = Field::of(CAT002_1_2, "030");
-const TURN: Field = Field::of(CAT002_1_2, "041");
+const SAC: Field = field!(CAT002_1_2, "010/SAC");
+const SIC: Field = field!(CAT002_1_2, "010/SIC");
+const MESSAGE_TYPE: Field = field!(CAT002_1_2, "000");
+const SECTOR: Field = field!(CAT002_1_2, "020");
+const TIME_OF_DAY: Field = field!(CAT002_1_2, "030");
+const TURN: Field = field!(CAT002_1_2, "041");
 
 pub(crate) fn service_message(record: &Record<'_>) -> ServiceMessage {
     ServiceMessage {

@@ -12,12 +12,12 @@ use crate::writer::RecordWriter;
 /// The category.
 pub const CATEGORY: u8 = CAT034_1_29.category;
 
-const SAC: Field = Field::of(CAT034_1_29, "010/SAC");
-const SIC: Field = Field::of(CAT034_1_29, "010/SIC");
-const MESSAGE_TYPE: Field = Field::of(CAT034_1_29, "000");
-const TIME_OF_DAY: Field = Field::of(CAT034_1_29, "030");
-const SECTOR: Field = Field::of(CAT034_1_29, "020");
-const TURN: Field = Field::of(CAT034_1_29, "041");
+const SAC: Field = field!(CAT034_1_29, "010/SAC");
+const SIC: Field = field!(CAT034_1_29, "010/SIC");
+const MESSAGE_TYPE: Field = field!(CAT034_1_29, "000");
+const TIME_OF_DAY: Field = field!(CAT034_1_29, "030");
+const SECTOR: Field = field!(CAT034_1_29, "020");
+const TURN: Field = field!(CAT034_1_29, "041");
 
 const NORTH: u64 = 1;
 const SECTOR_CROSSING: u64 = 2;

@@ -10,13 +10,13 @@ use crate::writer::RecordWriter;
 /// The category.
 pub const CATEGORY: u8 = CAT065_1_6.category;
 
-const SAC: Field = Field::of(CAT065_1_6, "010/SAC");
-const SIC: Field = Field::of(CAT065_1_6, "010/SIC");
-const MESSAGE_TYPE: Field = Field::of(CAT065_1_6, "000");
-const SERVICE: Field = Field::of(CAT065_1_6, "015");
-const TIME: Field = Field::of(CAT065_1_6, "030");
-const STATE: Field = Field::of(CAT065_1_6, "040/NOGO");
-const OVERLOAD: Field = Field::of(CAT065_1_6, "040/OVL");
+const SAC: Field = field!(CAT065_1_6, "010/SAC");
+const SIC: Field = field!(CAT065_1_6, "010/SIC");
+const MESSAGE_TYPE: Field = field!(CAT065_1_6, "000");
+const SERVICE: Field = field!(CAT065_1_6, "015");
+const TIME: Field = field!(CAT065_1_6, "030");
+const STATE: Field = field!(CAT065_1_6, "040/NOGO");
+const OVERLOAD: Field = field!(CAT065_1_6, "040/OVL");
 
 const SYSTEM_STATUS: u64 = 1;
 

@@ -92,6 +92,12 @@ pub enum EncodeError {
         /// The item.
         item: &'static str,
     },
+    /// The record is of an edition in which the field does not lie where it is written.
+    #[error("item {item}: the field is of another edition than the record")]
+    Edition {
+        /// The item.
+        item: &'static str,
+    },
     /// A block holds at most 65,535 octets.
     #[error("category {category:03}: a block of {octets} octets, at most 65535 expected")]
     BlockTooLong {

@@ -8,7 +8,7 @@
 //!
 //! - **Everything**: [`value::RecordValues`] is any record of any category as a tree, which can be changed, printed as JSON
 //!   and encoded again.
-//! - **Fast**: a [`Field`] is an element found by its name when the program is compiled. [`report`] has what radars send
+//! - **Fast**: a [`Field`] is an element found by its name when the program is compiled ([`field!`]). [`report`] has what radars send
 //!   (categories 001, 002, 010, 034, 048), [`cat062`] and [`cat065`] what trackers send, in SI units, without allocation.
 //!
 //! ```
@@ -40,6 +40,9 @@
 //! Bytes that cannot be read are an error that names category, record, item and place ([`DecodeError`]), never a panic.
 //! [`recovery`] finds the blocks of a damaged recording again; [`recording`] finds them in captures of a network.
 
+#[macro_use]
+pub mod field;
+
 pub mod block;
 pub mod cat001;
 pub mod cat002;
@@ -51,7 +54,6 @@ pub mod cat065;
 pub mod definition;
 pub mod editions;
 pub mod error;
-pub mod field;
 mod json;
 mod length;
 pub mod random;
@@ -64,5 +66,5 @@ pub mod value;
 pub mod writer;
 
 pub use error::{BlockError, DecodeError, EncodeError, Fault};
-pub use field::Field;
+pub use field::{Field, FieldError};
 pub use writer::{BlockWriter, RecordWriter};

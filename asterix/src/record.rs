@@ -81,12 +81,12 @@ impl<'a> Record<'a> {
     /// The octets of the item at a position of the profile, from 0, if the record has it.
     #[inline]
     pub fn octets(&self, position: usize) -> Option<&'a [u8]> {
-        let rest = self.present.checked_shl(position as u32)?;
+        let start = usize::from(*self.starts.get(position)?);
+        let rest = self.present << position;
         if rest >> 63 == 0 {
             return None;
         }
         let after = rest << 1;
-        let start = usize::from(self.starts[position]);
         match after {
             0 => self.bytes.get(start..),
             _ => self.bytes.get(start..usize::from(self.starts[position + 1 + after.leading_zeros() as usize])),

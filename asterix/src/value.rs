@@ -162,6 +162,9 @@ fn named(positions: &[usize], least: usize, item: &'static str, out: &mut Vec<u8
         return Err(EncodeError::Order { item });
     }
     let octets = positions.last().map_or(1, |last| last / 7 + 1).max(least);
+    if octets > usize::from(u16::MAX) {
+        return Err(EncodeError::Shape { item }); // no block holds it
+    }
     let start = out.len();
     out.resize(start + octets - 1, 1);
     out.push(0);

@@ -9,12 +9,12 @@ use crate::value::RecordValues;
 /// A block of records of one edition, at the end of a buffer.
 ///
 /// ```
-/// use asterix::{BlockWriter, Field, tables::CAT034_1_29};
+/// use asterix::{BlockWriter, Field, field, tables::CAT034_1_29};
 ///
-/// const MESSAGE_TYPE: Field = Field::of(CAT034_1_29, "000");
-/// const SAC: Field = Field::of(CAT034_1_29, "010/SAC");
-/// const SIC: Field = Field::of(CAT034_1_29, "010/SIC");
-/// const TIME_OF_DAY: Field = Field::of(CAT034_1_29, "030");
+/// const MESSAGE_TYPE: Field = field!(CAT034_1_29, "000");
+/// const SAC: Field = field!(CAT034_1_29, "010/SAC");
+/// const SIC: Field = field!(CAT034_1_29, "010/SIC");
+/// const TIME_OF_DAY: Field = field!(CAT034_1_29, "030");
 ///
 /// let mut datagram = Vec::new();
 /// let mut block = BlockWriter::new(CAT034_1_29, &mut datagram);
@@ -122,9 +122,14 @@ impl Named {
         Self { start, room, bits: 0 }
     }
 
+    /// None if there is no room for what is to be named: it is of another edition.
     #[inline]
-    fn set(&mut self, index: usize) {
+    fn set(&mut self, index: usize) -> Option<()> {
+        if index >= self.room * 7 {
+            return None;
+        }
         self.bits |= 1 << 63 >> index;
+        Some(())
     }
 
     /// Writes the bits and takes back the room that they do not need.
@@ -184,7 +189,8 @@ impl<'a> RecordWriter<'a> {
         }
         let below = to * 8 - usize::from(field.first_bit + field.bits);
         let aligned = (u128::from(raw) << below << (128 - 8 * (to - from))).to_be_bytes();
-        for (octet, bits) in self.out[self.start + from..self.start + to].iter_mut().zip(aligned) {
+        let octets = self.out.get_mut(self.start + from..self.start + to);
+        for (octet, bits) in octets.ok_or(EncodeError::Edition { item: field.item })?.iter_mut().zip(aligned) {
             *octet |= bits;
         }
         Ok(())
@@ -245,7 +251,7 @@ impl<'a> RecordWriter<'a> {
                 return Err(EncodeError::Order { item: field.item });
             }
             if let Some(parts) = &mut self.parts {
-                parts.set(part);
+                parts.set(part).ok_or(EncodeError::Edition { item: field.item })?;
             }
             self.part = Some(part);
             self.start = self.out.len();
@@ -260,7 +266,7 @@ impl<'a> RecordWriter<'a> {
             return Err(EncodeError::Order { item: field.item });
         }
         self.close_item();
-        self.fspec.set(field.position);
+        self.fspec.set(field.position).ok_or(EncodeError::Edition { item: field.item })?;
         self.position = Some(field.position);
         self.part = None;
         self.start = self.out.len();

@@ -4,9 +4,9 @@ use asterix::block::{Blocks, HEADER};
 use asterix::editions::Editions;
 use asterix::record::Records;
 use asterix::recovery::Pieces;
-use asterix::tables::ALL;
-use asterix::value::RecordValues;
-use asterix::{Fault, random};
+use asterix::tables::{ALL, CAT034_1_29, CAT048_1_32, CAT062_1_21};
+use asterix::value::{RecordValues, Value};
+use asterix::{BlockWriter, Fault, Field, field, random};
 use proptest::prelude::*;
 
 /// The generator SplitMix64.
@@ -87,4 +87,50 @@ proptest! {
         }
         prop_assert!(Pieces::new(&editions, &bytes).count() <= bytes.len());
     }
+}
+
+/// Fields of one edition, written into and read from records of another one: values or errors, never a panic.
+#[test]
+fn fields_of_another_edition_are_values_or_errors() {
+    const FIELDS: [Field; 6] = [
+        field!(CAT062_1_21, "380/ADR"),
+        field!(CAT062_1_21, "340/SID/SAC"),
+        field!(CAT062_1_21, "500/APC/X"),
+        field!(CAT048_1_32, "020/TYP"),
+        field!(CAT034_1_29, "050/COM/NOGO"),
+        field!(CAT034_1_29, "030"),
+    ];
+    let mut octets = Vec::new();
+    for edition in ALL {
+        for first in &FIELDS {
+            for second in &FIELDS {
+                let mut block = BlockWriter::new(edition, &mut octets);
+                let _ = block.record(|record| {
+                    record.put_raw(first, 1)?;
+                    record.put_raw(second, 1)
+                });
+            }
+        }
+    }
+    for block in Blocks::new(&octets).map_while(Result::ok) {
+        for edition in ALL {
+            for record in Records::new(edition, block.records, 0).map_while(Result::ok) {
+                assert!(FIELDS.iter().all(|field| field.value(&record).is_none_or(f64::is_finite)));
+                assert!([63, 64, 1 << 32, usize::MAX].iter().all(|&position| record.octets(position).is_none()));
+            }
+        }
+    }
+}
+
+/// Values that no record holds are refused, however large the positions.
+#[test]
+fn values_of_no_record_are_refused() {
+    let profile = &CAT048_1_32.profiles[0];
+    let of = |fspec_octets: usize, items: Vec<(usize, Value)>| {
+        let values = RecordValues { edition: CAT048_1_32, profile, fspec_octets, items };
+        values.encode(&mut Vec::new())
+    };
+    assert!(of(usize::MAX, Vec::new()).is_err());
+    assert!(of(1, vec![(usize::MAX, Value::Element(0))]).is_err());
+    assert!(of(1, vec![(27, Value::Sequence(vec![(usize::MAX, Value::Element(0))]))]).is_err());
 }

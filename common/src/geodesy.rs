@@ -109,6 +109,25 @@ pub fn enu_axes(place: &Position) -> Matrix3<f64> {
     Matrix3::new(-sin_l, cos_l, 0.0, -sin_b * cos_l, -sin_b * sin_l, cos_b, cos_b * cos_l, cos_b * sin_l, sin_b)
 }
 
+/// The local frame of a place: east, north, up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalFrame {
+    origin_m: Vector3<f64>,
+    axes: Matrix3<f64>,
+}
+
+impl LocalFrame {
+    /// That of a radar or a centre at `origin`.
+    pub fn new(origin: &Position) -> Self {
+        Self { origin_m: ecef_m(origin), axes: enu_axes(origin) }
+    }
+
+    /// The place of a position east, north and up of the origin, m.
+    pub fn place(&self, position_m: [f64; 3]) -> Position {
+        Ellipsoid::WGS84.position(&(self.origin_m + self.axes.transpose() * Vector3::from(position_m)))
+    }
+}
+
 /// From the local frame of one place to that of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameChange {
@@ -207,6 +226,19 @@ mod tests {
         }
         for (again, was) in back.vector(there.vector(velocity)).into_iter().zip(velocity) {
             assert_relative_eq!(again, was, epsilon = 1e-12);
+        }
+    }
+
+    /// A place seen from another one, and found again: to a micrometre, also near the poles and the date line.
+    #[test]
+    fn a_local_frame_finds_the_place_of_what_it_sees() {
+        for (latitude_deg, longitude_deg) in [(-89.9, 2.1), (-33.0, -179.9), (0.0, 120.0), (78.0, 0.0)] {
+            let site = place(latitude_deg, longitude_deg, 120.0);
+            for seen_m in [[0.0; 3], [80_000.0, -3000.0, 11_000.0], [-5.0, 150_000.0, -900.0]] {
+                let found = LocalFrame::new(&site).place(seen_m);
+                let again_m = FrameChange::new(&found, &site).position_m([0.0; 3]);
+                assert_relative_eq!(Vector3::from(again_m), Vector3::from(seen_m), epsilon = 1e-6);
+            }
         }
     }
 

@@ -15,6 +15,8 @@ pub const MIB: f64 = 1_048_576.0;
 
 /// ns in a second.
 pub const NS_PER_S: f64 = 1e9;
+/// Nanoseconds of a day.
+pub const DAY_NS: u64 = 86_400_000_000_000;
 
 /// `t1 − t0` in s; negative when `t1` is earlier.
 #[inline]

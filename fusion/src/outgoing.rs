@@ -1,30 +1,28 @@
 //! System tracks as messages: with their contributors, and as tracks like those of any site.
 
-use common::geodesy::{Ellipsoid, Position, ecef_m, enu_axes};
+use common::geodesy::{LocalFrame, Position};
 use common::system_tracks::{self, CONTRIBUTORS};
 use common::tracks::{
     COASTING, CONFIRMED, ESTIMATOR_FUSION, KIND_CONSTANT_VELOCITY, KIND_MANOEUVRE, TERMINATED, Track, pack,
 };
-use nalgebra::{Matrix3, Vector3};
 
 use crate::gaussian::STATE;
 use crate::system::SystemTrack;
 
 /// The centre, as positions on the earth need it.
 pub(crate) struct Centre {
-    axes: Matrix3<f64>,
-    ecef_m: Vector3<f64>,
+    frame: LocalFrame,
 }
 
 impl Centre {
     pub(crate) fn new(position: &Position) -> Self {
-        Self { axes: enu_axes(position), ecef_m: ecef_m(position) }
+        Self { frame: LocalFrame::new(position) }
     }
 
     /// With contributors and place on the earth; `places` are those of the fused sites among the sites of the chain.
     pub(crate) fn system_track(&self, track: &SystemTrack<'_>, places: &[u32]) -> system_tracks::SystemTrack {
         let estimate = &track.estimate;
-        let place = Ellipsoid::WGS84.position(&(self.ecef_m + self.axes.transpose() * estimate.position()));
+        let place = self.frame.place(estimate.position().into());
         let mut of = system_tracks::SystemTrack {
             time_ns: track.time_ns,
             id: track.id,

@@ -35,6 +35,6 @@ fn main() -> ExitCode {
     common::process::run(outputs::process::NAME, || {
         let address: Option<SocketAddr> = to.strip_prefix("udp://").and_then(|address| address.parse().ok());
         let address = address.ok_or_else(|| BadInput(format!("`{to}` found, expected udp://ADDRESS:PORT")))?;
-        outputs::process::send_tracks(&stage.load()?, address, tentative)
+        outputs::process::send_tracks(&stage, address, tentative)
     })
 }

@@ -4,33 +4,38 @@ use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::process::ExitCode;
 
-use common::config::ChainConfig;
+use common::config::Source;
 use common::ipc::{Flow, Station, Watchdog, attend};
 use common::message::END_OF_STREAM;
 use common::messages::Tracks;
-use common::process::{BadInput, say, stop_requested, tell};
+use common::process::{BadInput, StageArgs, say, stop_requested, tell};
 use common::topic::Topic;
 
-use crate::system_tracks::SystemTracks;
+use crate::datagrams::TrackDatagrams;
 
 /// Name of the process.
 pub const NAME: &str = "outputs";
 
-/// Sends the tracks of a chain to `to` as ASTERIX until the chain ends or the process is asked to stop. Nothing is ever
+/// Sends the tracks of a site to `to` as ASTERIX until the chain ends or the process is asked to stop. Nothing is ever
 /// waited for: what cannot be sent at once is dropped and counted.
 ///
 /// # Errors
-/// The address, or shared memory.
-pub fn send_tracks(chain: &ChainConfig, to: SocketAddr, tentative: bool) -> anyhow::Result<ExitCode> {
+/// Configuration, the address, or shared memory.
+pub fn send_tracks(args: &StageArgs, to: SocketAddr, tentative: bool) -> anyhow::Result<ExitCode> {
+    let (chain, sites) = (args.load()?, args.load_sites()?);
+    let is_simulated = match chain.run.source {
+        Source::Fusion => sites.all().iter().any(|site| site.run.source == Source::RadarSim),
+        source => source == Source::RadarSim,
+    };
     let mut line = Line::open(to).map_err(|error| BadInput(format!("cannot send to udp://{to}: {error}")))?;
-    let mut out = SystemTracks::new(chain, tentative);
+    let mut out = TrackDatagrams::new(&chain, is_simulated, tentative);
     if chain.site.position.is_none() {
         say("key `site.position` is not set: tracks are sent without latitude, longitude and height");
     }
-    let station = Station::enter(NAME, chain)?;
+    let station = Station::enter(NAME, &chain)?;
     let (wake, tracks) = (station.wake(Topic::Tracks)?, station.subscriber::<Tracks>()?);
     let mut missed = 0;
-    attend(&[&wake], &Watchdog::new(chain, NAME), || -> anyhow::Result<Flow> {
+    attend(&[&wake], &Watchdog::new(&chain, NAME), || -> anyhow::Result<Flow> {
         while let Some(message) = tracks.receive()? {
             missed += message.missing;
             for datagram in out.datagrams(message.header(), message.elements()) {

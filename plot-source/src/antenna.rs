@@ -10,11 +10,15 @@ use std::f64::consts::TAU;
 const PHASE_GAIN: f64 = 0.5;
 const TURN_GAIN: f64 = 0.15;
 /// A fix farther from what is expected, as a share of a turn, is an outlier.
-const FARTHEST: f64 = 0.1;
+pub(crate) const FARTHEST: f64 = 0.1;
 /// So many outliers in a row replace what is known.
 const OUTLIERS: u32 = 3;
 /// Share of a turn between the first fixes that tell the time of a turn.
 const LEAST_TURNED: f64 = 0.25;
+/// A turn is another one that differs by this share.
+const OTHER_TURN: f64 = 0.05;
+/// Azimuths that differ by less are the same, as a share of a turn.
+const ROUNDING: f64 = 1e-6;
 /// Turns that are possible, ns.
 const TURNS_NS: std::ops::RangeInclusive<f64> = 1e8..=1.2e11;
 
@@ -32,6 +36,8 @@ pub struct Fix {
 pub enum Change {
     /// Nothing, or a correction.
     Followed,
+    /// Nothing: it is far from what is expected, and may be wrong.
+    Outlier,
     /// The first phase of the antenna is known.
     Locked,
     /// The antenna is elsewhere than was expected.
@@ -43,6 +49,8 @@ pub enum Change {
 pub struct Antenna {
     begin_ns: i64,
     turn_ns: f64,
+    /// The radar's own word for it.
+    told_ns: f64,
     is_locked: bool,
     last: Option<Fix>,
     /// Turned since the first fix, until that is enough to tell the time of a turn.
@@ -53,7 +61,15 @@ pub struct Antenna {
 impl Antenna {
     /// An antenna that may take `nominal_ns` for a turn, and whose place is not known.
     pub fn new(nominal_ns: f64) -> Self {
-        Self { begin_ns: 0, turn_ns: nominal_ns, is_locked: false, last: None, first: None, outliers: 0 }
+        Self {
+            begin_ns: 0,
+            turn_ns: nominal_ns,
+            told_ns: nominal_ns,
+            is_locked: false,
+            last: None,
+            first: None,
+            outliers: 0,
+        }
     }
 
     /// Whether its place is known.
@@ -80,16 +96,28 @@ impl Antenna {
         (fix.time_ns - self.begin_ns) as f64 / self.turn_ns - fix.turned
     }
 
-    /// Takes the radar's own word for the time of a turn.
+    /// Takes the radar's own word for the time of a turn, if it is news: what fixes have told since then is better.
     pub fn set_turn(&mut self, turn_ns: f64) {
-        if TURNS_NS.contains(&turn_ns) && (self.turn_ns / turn_ns - 1.0).abs() > 0.05 {
+        let is_other = |known_ns: f64| (known_ns / turn_ns - 1.0).abs() > OTHER_TURN;
+        if TURNS_NS.contains(&turn_ns) && is_other(self.told_ns) && is_other(self.turn_ns) {
             // Turns keep their numbers from the last fix on.
             if let Some(last) = self.last {
                 let turn = self.turns(last);
                 self.begin_ns = last.time_ns - (turn_ns * (turn + last.turned)) as i64;
             }
-            self.turn_ns = turn_ns;
+            (self.turn_ns, self.told_ns) = (turn_ns, turn_ns);
         }
+    }
+
+    /// Whether the antenna passed an azimuth at about the time of a fix.
+    pub fn fits(&self, fix: Fix) -> bool {
+        let turns = self.turns(fix);
+        (turns - turns.round()).abs() <= FARTHEST
+    }
+
+    /// Its place is no longer known; the time of a turn still is.
+    pub fn unlock(&mut self) {
+        (self.is_locked, self.first) = (false, None);
     }
 
     /// Starts from what a search in reports has found.
@@ -117,7 +145,7 @@ impl Antenna {
         }
         self.outliers += 1;
         if self.outliers < OUTLIERS {
-            return Change::Followed;
+            return Change::Outlier;
         }
         self.outliers = 0;
         let turn = turns.round();
@@ -146,16 +174,19 @@ impl Antenna {
     }
 }
 
-/// Time of a turn of an antenna that has come from one fix to the next in less than a turn, or in a whole one.
+/// Time of a turn of an antenna that has come from one fix to the next in half a turn at most, or in a whole one. Between
+/// half a turn and a whole one it may as well have turned counter-clockwise.
 fn turn_between(last: Fix, fix: Fix) -> Option<f64> {
-    let turn_ns = (fix.time_ns - last.time_ns) as f64 / turned_between(last, fix);
-    TURNS_NS.contains(&turn_ns).then_some(turn_ns)
+    let turned = turned_between(last, fix);
+    let turn_ns = (fix.time_ns - last.time_ns) as f64 / turned;
+    let is_certain = turned <= 0.5 + ROUNDING || turned > 1.0 - ROUNDING;
+    (is_certain && TURNS_NS.contains(&turn_ns)).then_some(turn_ns)
 }
 
 /// Share of a turn from one fix to the next, above 0.
 fn turned_between(last: Fix, fix: Fix) -> f64 {
     let turned = (fix.turned - last.turned).rem_euclid(1.0);
-    if turned < 1e-6 { 1.0 } else { turned }
+    if turned < ROUNDING { 1.0 } else { turned }
 }
 
 /// An azimuth as a share of a turn, in [0, 1).
@@ -232,7 +263,18 @@ mod tests {
             let mut wrong = fixes[fixes.len() - 1];
             wrong.time_ns += 1_000_000_000;
             let before = antenna.time_of(0, 0.0);
-            assert_eq!((antenna.fix(wrong), antenna.time_of(0, 0.0)), (Change::Followed, before));
+            assert_eq!((antenna.fix(wrong), antenna.time_of(0, 0.0)), (Change::Outlier, before));
         }
+    }
+
+    /// A radar that says a wrong turn again and again is believed once, and what its messages show after that.
+    #[test]
+    fn a_wrong_word_for_the_turn_does_not_move_the_antenna() {
+        let mut antenna = Antenna::new(4.0 * S);
+        for fix in fixes(1, 40, |_| 4.0, 0.0) {
+            antenna.set_turn(5.0 * S);
+            assert_ne!(antenna.fix(fix), Change::Moved);
+        }
+        assert!((antenna.turn_ns() - 4.0 * S).abs() < 0.01 * S, "{}", antenna.turn_ns());
     }
 }

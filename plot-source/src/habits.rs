@@ -12,7 +12,7 @@ const COMPARED_NS: i64 = 20_000_000_000;
 /// Reports of one track that are farther apart in time are not compared, ns.
 const LONGEST_NS: i64 = 30_000_000_000;
 /// Comparisons after which they are believed.
-const ENOUGH: u32 = 3;
+const ENOUGH: u64 = 3;
 /// Standard errors within which both agree, and the share of a range rate by which it may change meanwhile.
 const STANDARD_ERRORS: f64 = 3.0;
 const CHANGE: f64 = 0.1;
@@ -47,9 +47,9 @@ pub struct Habits {
     sigma_range_rate_mps: f64,
     /// By track number.
     tracks: HashMap<u16, Stretch>,
-    comparisons: u32,
-    receding: u32,
-    approaching: u32,
+    comparisons: u64,
+    receding: u64,
+    approaching: u64,
     /// Track numbers of which a report says that it was detected.
     detected: HashSet<u16>,
 }
@@ -111,8 +111,8 @@ impl Habits {
         let tolerance_m =
             STANDARD_ERRORS * (range_error_m + self.sigma_range_rate_mps * passed_s) + CHANGE * summed_m.abs();
         self.comparisons += 1;
-        self.receding += u32::from((changed_m - summed_m).abs() <= tolerance_m);
-        self.approaching += u32::from((changed_m + summed_m).abs() <= tolerance_m);
+        self.receding += u64::from((changed_m - summed_m).abs() <= tolerance_m);
+        self.approaching += u64::from((changed_m + summed_m).abs() <= tolerance_m);
     }
 
     /// Whether enough is known of range rates, or nothing can be: the radar numbers no tracks.
@@ -122,7 +122,7 @@ impl Habits {
 
     /// What range rates mean, so far.
     pub fn range_rates(&self) -> RangeRates {
-        let fits = |agreeing: u32| 4 * self.comparisons <= 5 * agreeing;
+        let fits = |agreeing: u64| 4 * self.comparisons <= 5 * agreeing;
         if self.comparisons < ENOUGH || (fits(self.receding) && self.receding >= self.approaching) {
             RangeRates::Receding
         } else if fits(self.approaching) {

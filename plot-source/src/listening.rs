@@ -12,9 +12,10 @@ use common::pace::Speed;
 use common::process::{BadInput, say, stop_requested, tell};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-use crate::live::{Closed, LiveRadar};
+use crate::live::{Closed, LiveRadar, Trouble};
 use crate::network::{Endpoint, LARGEST_DATAGRAM};
 use crate::process::Outlet;
+use crate::source::{is_other_turn, taken_for_the_sites};
 
 /// How long the process sleeps at most: signals are obeyed and health is reported meanwhile.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
@@ -36,11 +37,12 @@ pub(crate) fn run(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     outlet.begin()?;
     let clock = Clock::start(chain.run.speed);
     let last_scan = if chain.run.scans == 0 { u32::MAX } else { chain.run.scans - 1 };
-    let (mut ears, mut closed) = (Ears::new(sockets), Closed::new());
+    let (mut ears, mut closed, mut told) = (Ears::new(sockets), Closed::new(), Told::default());
     loop {
         ears.sleep(radar.due_ns().map(|due_ns| clock.until(due_ns)))?;
         ears.hear(|datagram| radar.take(datagram, clock.now_ns()))?;
         radar.close_due(clock.now_ns(), &mut closed);
+        told.tell_news(&radar, chain);
         let is_last = stop_requested();
         if is_last && closed.is_empty() {
             radar.close_last(&mut closed);
@@ -84,9 +86,41 @@ fn open(names: &[String]) -> anyhow::Result<Vec<(Endpoint, UdpSocket)>> {
 fn summarise(radar: &LiveRadar) {
     let events = radar.events();
     tell(&format!(
-        "{} records, {} received before; clock set {} times, antenna elsewhere {} times; {} sectors closed by time",
-        events.records, events.repeated, events.clock_set, events.moved, events.timed_out
+        "{} records, {} received before; clock set {} times, antenna elsewhere {} times, {} records astray; \
+         {} sectors closed by time",
+        events.records, events.repeated, events.clock_set, events.moved, events.astray, events.timed_out
     ));
+}
+
+/// What has been said of the radar.
+#[derive(Default)]
+struct Told {
+    source: bool,
+    turn: bool,
+    trouble: Option<Trouble>,
+}
+
+impl Told {
+    /// Says what has become known of the radar, and what is wrong with it, once.
+    fn tell_news(&mut self, radar: &LiveRadar, chain: &ChainConfig) {
+        if let Some(source) = radar.source()
+            && !std::mem::replace(&mut self.source, true)
+            && let Some(note) = taken_for_the_sites(source, &chain.site)
+        {
+            say(&note);
+        }
+        let configured_s = chain.plot_source.scan_period_s;
+        if let Some(turn_s) = radar.turn_s()
+            && !std::mem::replace(&mut self.turn, true)
+            && is_other_turn(turn_s, configured_s)
+        {
+            say(&format!("a turn takes {turn_s:.3} s; `plot_source.scan_period_s` says {configured_s}"));
+        }
+        if self.trouble != radar.trouble() {
+            self.trouble = radar.trouble();
+            say(&self.trouble.map_or("reports fit the turn again".into(), |trouble| trouble.to_string()));
+        }
+    }
 }
 
 /// The time of this computer, or one that runs at a multiple of it: for recordings that are sent faster.

@@ -8,18 +8,18 @@
 //! Measurement time is the radar's clock. Where that is set, measurement time goes on as the clock of this computer does.
 //! Nothing here reads a clock: the time of this computer, as UTC, comes with every call.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
 use asterix::block::Blocks;
 use asterix::editions::{EditionError, Editions};
-use asterix::record::Records;
+use asterix::record::{Record, Records};
 use asterix::recovery::Cause;
 use asterix::report::{Artificial, Message, Service, ServiceMessage, SourceId, TargetReport, TimeOfDay};
 use common::angle;
 use common::config::ChainConfig;
 use common::health::{Reject, Rejected};
-use common::plots::{Plot, PlotsHeader};
-use common::units::NS_PER_S;
+use common::plots::{MAX_PLOTS, Plot, PlotsHeader};
+use common::units::{DAY_NS, NS_PER_S};
 
 use crate::antenna::{Antenna, Change, Fix, turned};
 use crate::clock::DayClock;
@@ -34,16 +34,20 @@ use crate::turning::norths;
 
 /// A clock that differs by more than this from what it did is set, if it stays so, ns.
 const CLOCK_SET_NS: i64 = 1_000_000_000;
-/// Messages in a row after which it has been set.
+/// Messages in a row that agree about it, after which it has been set.
 const CLOCK_SET_MESSAGES: u32 = 3;
 /// Share by which the delay of messages grows towards that of the latest: the least of the last ones counts.
 const DELAY_GROWTH: f64 = 1e-3;
-/// Reports kept to search for the turn of a radar without north markers, and how many searches start after.
+/// Reports in which the turn of a radar without north markers is searched for.
 const SEARCHED: usize = 100;
 /// An azimuth at which a sector begins is not before it for the rounding of its angle; a share of a turn.
 const ROUNDING: f64 = 1e-9;
 /// A report farther ahead of the antenna than so many turns is impossible.
 const TURNS_AHEAD: i64 = 2;
+/// A radar that has sent no message of its antenna for so many turns sends none.
+const SILENT_TURNS: f64 = 5.0;
+/// Reports that wait for the end of one sector at most: twice what a message holds.
+const MOST_WAITING: usize = 2 * MAX_PLOTS;
 
 /// Messages of sectors that are complete.
 pub type Closed = Vec<(PlotsHeader, Vec<Plot>)>;
@@ -61,6 +65,23 @@ pub struct Events {
     pub moved: u64,
     /// Sectors closed because nothing of the radar had closed them in time.
     pub timed_out: u64,
+    /// Messages and reports of an azimuth where the antenna was not at their time.
+    pub astray: u64,
+}
+
+/// Why plots are missing or wrong, as far as the radar itself shows it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Trouble {
+    /// No turn can be found.
+    #[error(
+        "times and azimuths tell no turn, no plots are published: the antenna stands still or turns counter-clockwise"
+    )]
+    NoTurn,
+    /// Most reports are of azimuths where the antenna was not at their time.
+    #[error(
+        "reports do not fit the turn, plots are late or wrong: the antenna stands still or turns counter-clockwise"
+    )]
+    Astray,
 }
 
 /// A radar that is listened to.
@@ -72,13 +93,19 @@ pub struct LiveRadar {
     azimuth_bias_rad: f64,
     clock: Option<RadarClock>,
     antenna: Antenna,
-    has_service: bool,
+    /// Measurement time of the last message of the antenna.
+    service_ns: Option<i64>,
+    /// Reports since the turn is not known.
+    unturned: usize,
     searched: Vec<Report>,
+    /// Whether each of the last 32 reports is astray, a bit each.
+    astray: u32,
     habits: Habits,
     level: AmplitudeLevel,
     repeats: Repeats,
-    /// Whether the last report has a range rate.
-    has_range_rate: bool,
+    /// Reports, and those of them with a range rate.
+    reports: u64,
+    with_range_rate: u64,
     sectors: i64,
     /// Number of the scan that is turn 0 of the antenna.
     scan_of_turn_0: i64,
@@ -87,8 +114,8 @@ pub struct LiveRadar {
     /// Measurement time of the last message.
     last_ns: u64,
     waiting: BTreeMap<i64, Vec<Sighting>>,
-    /// Sectors before this one are complete, by a message of the radar, at this time.
-    complete: Option<(i64, u64)>,
+    /// The radar has said that sectors before one are complete, and when; in order.
+    complete: VecDeque<(i64, u64)>,
     rejected: Rejected,
     events: Events,
 }
@@ -96,12 +123,12 @@ pub struct LiveRadar {
 /// The radar's clock beside that of this computer.
 #[derive(Debug)]
 struct RadarClock {
-    day: DayClock,
     /// Added to the radar's clock.
     offset_ns: i64,
     /// How long messages are on their way, ns; may be negative: clocks differ.
     delay_ns: f64,
-    set: u32,
+    /// Another delay, ns, and the messages in a row that had it.
+    other: Option<(f64, u32)>,
 }
 
 impl LiveRadar {
@@ -118,18 +145,21 @@ impl LiveRadar {
             azimuth_bias_rad: Registration::new(&plot_source.registration).azimuth_bias_rad(),
             clock: None,
             antenna: Antenna::new(plot_source.scan_period_s * NS_PER_S),
-            has_service: false,
+            service_ns: None,
+            unturned: 0,
             searched: Vec::new(),
+            astray: 0,
             habits: Habits::new(plot_source.sigma_range_m, plot_source.sigma_range_rate_mps),
             level: AmplitudeLevel::new(plot_source.pfa),
             repeats: Repeats::default(),
-            has_range_rate: false,
+            reports: 0,
+            with_range_rate: 0,
             sectors: i64::from(plot_source.sectors_per_scan),
             scan_of_turn_0: i64::from(config.run.first_scan),
             next: None,
             last_ns: 0,
             waiting: BTreeMap::new(),
-            complete: None,
+            complete: VecDeque::new(),
             rejected: Rejected::default(),
             events: Events::default(),
             config: config.clone(),
@@ -151,31 +181,42 @@ impl LiveRadar {
         self.source
     }
 
+    /// What the antenna takes for a turn, s, once it is known.
+    pub fn turn_s(&self) -> Option<f64> {
+        self.antenna.is_locked().then(|| self.antenna.turn_ns() / NS_PER_S)
+    }
+
+    /// What is wrong at present.
+    pub fn trouble(&self) -> Option<Trouble> {
+        match self.antenna.is_locked() {
+            false if self.unturned >= SEARCHED => Some(Trouble::NoTurn),
+            true if self.is_astray() => Some(Trouble::Astray),
+            _ => None,
+        }
+    }
+
+    /// Whether most of the last reports are astray.
+    fn is_astray(&self) -> bool {
+        self.astray.count_ones() > u32::BITS / 2
+    }
+
     /// Takes a datagram that arrived at `now_ns`.
     pub fn take(&mut self, datagram: &[u8], now_ns: u64) {
-        let editions = self.editions.clone();
-        for block in Blocks::new(datagram) {
+        let mut blocks = Blocks::new(datagram);
+        while let Some(block) = blocks.next() {
             let Ok(block) = block else {
+                self.rejected.count_many(Reject::UnreadByte, blocks.left() as u64);
                 self.rejected.count(Reject::BadHeader);
                 return;
             };
-            let Some(edition) = editions.of(block.category) else {
+            let Some(edition) = self.editions.of(block.category) else {
                 self.rejected.count(Reject::OtherCategory);
                 continue;
             };
             let mut records = Records::new(edition, block.records, block.offset);
             while let Some(record) = records.next() {
                 let taken = match record {
-                    Ok(record) if self.repeats.is_repeated(block.category, record.bytes, now_ns) => {
-                        self.events.repeated += 1;
-                        Ok(())
-                    }
-                    Ok(record) => {
-                        self.events.records += 1;
-                        Message::of(&record)
-                            .ok_or(Reject::OtherCategory)
-                            .and_then(|message| self.message(&message, now_ns))
-                    }
+                    Ok(record) => self.record(&record, now_ns),
                     Err(error) => {
                         self.rejected.count_many(Reject::UnreadByte, records.left() as u64);
                         Err(reason(&Cause::Record(error)))
@@ -186,6 +227,20 @@ impl LiveRadar {
                 }
             }
         }
+    }
+
+    fn record(&mut self, record: &Record<'_>, now_ns: u64) -> Result<(), Reject> {
+        let message = Message::of(record).ok_or(Reject::OtherCategory)?;
+        let has_time = match &message {
+            Message::Target(report) => report.time_of_day.is_some(),
+            Message::Service(message) => message.time_of_day.is_some(),
+        };
+        if self.repeats.is_repeated(record.edition.category, record.bytes, has_time, now_ns) {
+            self.events.repeated += 1;
+            return Ok(());
+        }
+        self.events.records += 1;
+        self.message(&message, now_ns)
     }
 
     fn message(&mut self, message: &Message, now_ns: u64) -> Result<(), Reject> {
@@ -210,30 +265,29 @@ impl LiveRadar {
 
     /// Measurement time of a time of day.
     fn time_ns(&mut self, time: TimeOfDay, now_ns: u64) -> Result<i64, Reject> {
-        let clock = self.clock.get_or_insert_with(|| RadarClock {
-            day: DayClock::near(now_ns - now_ns % 86_400_000_000_000, now_ns as i64),
-            offset_ns: 0,
-            delay_ns: f64::INFINITY,
-            set: 0,
-        });
-        let time_ns = clock.day.time_ns(time) + clock.offset_ns;
-        let delay_ns = (now_ns as i64 - time_ns) as f64;
-        if clock.delay_ns.is_finite() && (delay_ns - clock.delay_ns).abs() > CLOCK_SET_NS as f64 {
-            clock.set += 1;
-            if clock.set < CLOCK_SET_MESSAGES {
-                return Err(Reject::NoTime); // it may be a single wrong one
-            }
-            self.events.clock_set += 1;
-            clock.offset_ns += (delay_ns - clock.delay_ns) as i64;
-            clock.set = 0;
-            return Ok(time_ns + (delay_ns - clock.delay_ns) as i64);
+        let expected_ns = self.present_ns(now_ns) - self.clock.as_ref().map_or(0, |clock| clock.offset_ns);
+        let clock_ns = DayClock::near(now_ns - now_ns % DAY_NS, expected_ns).time_ns(time);
+        let delay_of = |time_ns: i64| (now_ns as i64 - time_ns) as f64;
+        let clock =
+            self.clock.get_or_insert_with(|| RadarClock { offset_ns: 0, delay_ns: delay_of(clock_ns), other: None });
+        let time_ns = clock_ns + clock.offset_ns;
+        let delay_ns = delay_of(time_ns);
+        let agrees = |other_ns: f64| (delay_ns - other_ns).abs() <= CLOCK_SET_NS as f64;
+        if agrees(clock.delay_ns) {
+            clock.other = None;
+            clock.delay_ns = delay_ns.min(clock.delay_ns + DELAY_GROWTH * (delay_ns - clock.delay_ns).max(0.0));
+            return Ok(time_ns);
         }
-        clock.set = 0;
-        clock.delay_ns = delay_ns.min(clock.delay_ns + DELAY_GROWTH * (delay_ns - clock.delay_ns).max(0.0));
-        if !clock.delay_ns.is_finite() {
-            clock.delay_ns = delay_ns;
+        let messages = clock.other.filter(|&(other_ns, _)| agrees(other_ns)).map_or(1, |(_, messages)| messages + 1);
+        if messages < CLOCK_SET_MESSAGES {
+            clock.other = Some((delay_ns, messages));
+            return Err(Reject::NoTime); // it may be a single wrong one
         }
-        Ok(time_ns)
+        self.events.clock_set += 1;
+        let by_ns = (delay_ns - clock.delay_ns) as i64;
+        clock.offset_ns += by_ns;
+        clock.other = None;
+        Ok(time_ns + by_ns)
     }
 
     fn service(&mut self, message: &ServiceMessage, now_ns: u64) -> Result<(), Reject> {
@@ -246,20 +300,27 @@ impl LiveRadar {
             Some(time) => self.time_ns(time, now_ns)?,
             None => self.present_ns(now_ns),
         };
-        self.has_service = true;
+        self.service_ns = Some(time_ns);
         if let Some(turn_s) = message.turn_s {
             self.antenna.set_turn(turn_s * NS_PER_S);
         }
         let fix = Fix { time_ns, turned };
         match self.antenna.fix(fix) {
             Change::Followed => {}
-            Change::Locked => self.begin(time_ns),
+            Change::Outlier => {
+                self.events.astray += 1;
+                return Ok(());
+            }
+            Change::Locked => self.start(time_ns),
             Change::Moved => self.resume(),
         }
         if self.antenna.is_locked() {
-            let sector = self.first_sector(self.antenna.turn_of(fix)) + (turned * self.sectors as f64).round() as i64;
-            let is_possible = self.next.is_some_and(|next| sector <= next + TURNS_AHEAD * self.sectors);
-            self.complete = is_possible.then_some((sector, now_ns));
+            let sector = self.sector_of(fix);
+            let is_open =
+                self.next.is_some_and(|next| (next + 1..=next + TURNS_AHEAD * self.sectors).contains(&sector));
+            if is_open && self.complete.back().is_none_or(|&(before, _)| before < sector) {
+                self.complete.push_back((sector, now_ns));
+            }
         }
         Ok(())
     }
@@ -267,6 +328,8 @@ impl LiveRadar {
     fn target(&mut self, report: &TargetReport, now_ns: u64) -> Result<(), Reject> {
         let time_ns = report.time_of_day.map(|time| self.time_ns(time, now_ns)).transpose()?;
         self.habits.learn(report, time_ns);
+        self.reports += 1;
+        self.with_range_rate += u64::from(report.radial_velocity_mps.is_some());
         is_used(report, &self.config.plot_source, &self.habits)?;
         let (range_m, azimuth_rad) = report.polar.ok_or(Reject::NoPosition)?;
         if range_m <= 0.0 {
@@ -282,12 +345,17 @@ impl LiveRadar {
             amplitude_db: report.amplitude_db,
             is_artificial: report.artificial != Artificial::default(),
         };
+        let now_ns = self.present_ns(now_ns);
+        let silence_ns = self.service_ns.map_or(f64::INFINITY, |service_ns| (now_ns - service_ns) as f64);
+        let has_service = silence_ns < SILENT_TURNS * self.antenna.turn_ns();
         if !self.antenna.is_locked() {
-            self.search(report);
+            self.unturned += 1;
+            if !has_service {
+                self.search(report);
+            }
             return Err(Reject::Late);
         }
         let turned = turned(report.azimuth_rad);
-        let now_ns = self.present_ns(now_ns);
         let time_ns = time_ns.unwrap_or_else(|| {
             // The antenna was there last.
             let turn = self.antenna.turn_of(Fix { time_ns: now_ns, turned });
@@ -295,12 +363,16 @@ impl LiveRadar {
             if passed_ns > now_ns { self.antenna.time_of(turn - 1, turned) } else { passed_ns }
         });
         let fix = Fix { time_ns, turned };
-        if !self.has_service {
+        let fits = self.antenna.fits(fix);
+        self.astray = self.astray << 1 | u32::from(!fits);
+        self.events.astray += u64::from(!fits);
+        if !has_service && fits {
             self.antenna.fix(fix);
+        } else if !has_service && self.is_astray() {
+            self.antenna.unlock();
+            self.astray = 0;
         }
-        let turn = self.antenna.turn_of(fix);
-        let sector = ((turned + ROUNDING) * self.sectors as f64) as i64;
-        let sector = self.first_sector(turn) + sector.min(self.sectors - 1);
+        let sector = self.sector_of(fix);
         let next = self.next.ok_or(Reject::Late)?;
         if sector < next {
             return Err(Reject::Late);
@@ -308,17 +380,17 @@ impl LiveRadar {
         if sector > next + TURNS_AHEAD * self.sectors {
             return Err(Reject::BadPlot);
         }
+        let waiting = self.waiting.entry(sector).or_default();
+        if waiting.len() >= MOST_WAITING {
+            return Err(Reject::Full);
+        }
         let statistic = report.amplitude_db.map(|amplitude_db| self.level.statistic(amplitude_db));
-        self.waiting.entry(sector).or_default().push(Sighting { time_ns: time_ns.max(0) as u64, report, statistic });
-        self.has_range_rate = report.range_rate_mps.is_some();
+        waiting.push(Sighting { time_ns: time_ns.max(0) as u64, report, statistic });
         Ok(())
     }
 
     /// Looks for the turn in the reports of a radar without north markers.
     fn search(&mut self, report: Report) {
-        if self.has_service {
-            return;
-        }
         self.searched.push(report);
         if self.searched.len() < SEARCHED {
             return;
@@ -327,17 +399,27 @@ impl LiveRadar {
         self.searched.clear();
         if let Some([.., before, last]) = found.as_deref() {
             self.antenna.lock(last.clock_ns, (last.clock_ns - before.clock_ns) as f64);
-            self.begin(last.clock_ns);
+            self.start(last.clock_ns);
         }
+    }
+
+    /// The sector of a passage: one that begins there, or there but for the rounding of its angle.
+    fn sector_of(&self, fix: Fix) -> i64 {
+        let sector = ((fix.turned + ROUNDING) * self.sectors as f64) as i64;
+        self.first_sector(self.antenna.turn_of(fix)) + sector.min(self.sectors - 1)
     }
 
     fn first_sector(&self, turn: i64) -> i64 {
         (turn + self.scan_of_turn_0) * self.sectors
     }
 
-    /// The first scan begins with the next north passage.
-    fn begin(&mut self, time_ns: i64) {
+    /// The turn is known: the first scan begins with the next north passage, unless one has begun before.
+    fn start(&mut self, time_ns: i64) {
+        if self.next.is_some() {
+            return self.resume();
+        }
         let turn = self.antenna.turn_of(Fix { time_ns, turned: 0.0 }) + 1;
+        self.unturned = 0;
         self.scan_of_turn_0 = i64::from(self.config.run.first_scan) - turn;
         self.next = Some(self.first_sector(turn));
     }
@@ -345,7 +427,8 @@ impl LiveRadar {
     /// The antenna is elsewhere: the scan that was begun ends with the next north passage, and the next one begins.
     fn resume(&mut self) {
         self.events.moved += 1;
-        self.complete = None;
+        self.unturned = 0;
+        self.complete.clear();
         let Some(next) = self.next else { return };
         let begun = next.div_euclid(self.sectors);
         let turn = self.antenna.turn_of(Fix { time_ns: self.last_ns as i64, turned: 0.0 }) + 1;
@@ -370,16 +453,18 @@ impl LiveRadar {
         let latency_ns = (self.config.plot_source.latency_s * NS_PER_S) as i64;
         let by_turn = (self.end_ns(next) + delay_ns + latency_ns).max(0) as u64;
         let wait_ns = (self.config.plot_source.sector_delay_s * NS_PER_S) as u64;
-        let by_message = self.complete.filter(|&(sector, _)| sector > next).map(|(_, since_ns)| since_ns + wait_ns);
+        let by_message = self.complete.front().map(|&(_, since_ns)| since_ns + wait_ns);
         Some(by_message.map_or(by_turn, |by_message| by_message.min(by_turn)))
     }
 
-    /// Closes the sectors that are due.
+    /// Closes the sectors that are due, those of a turn at most: after a long time without a call others are due at once.
     pub fn close_due(&mut self, now_ns: u64, closed: &mut Closed) {
+        let most = closed.len() + self.sectors as usize;
         while let Some(next) = self.next
+            && closed.len() < most
             && self.due_ns().is_some_and(|due_ns| due_ns <= now_ns)
         {
-            self.events.timed_out += u64::from(self.complete.is_none_or(|(sector, _)| sector <= next));
+            self.events.timed_out += u64::from(self.complete.is_empty());
             self.close_next(next, closed);
         }
     }
@@ -400,11 +485,15 @@ impl LiveRadar {
         header.time_ns = header.time_ns.max(self.last_ns + 1);
         self.last_ns = header.time_ns;
         self.next = Some(sector + 1);
+        while self.complete.front().is_some_and(|&(before, _)| before <= sector + 1) {
+            self.complete.pop_front();
+        }
         closed.push((header, plots));
     }
 
     fn layout(&self) -> SectorLayout {
         let source_id = self.source.map_or(self.config.site.source_id(), |source| source.number().into());
-        SectorLayout::new(source_id, &self.config.plot_source, &self.config.site, self.has_range_rate)
+        let has_range_rate = 2 * self.with_range_rate > self.reports;
+        SectorLayout::new(source_id, &self.config.plot_source, &self.config.site, has_range_rate)
     }
 }

@@ -13,6 +13,7 @@ use crate::clock::DayClock;
 use crate::contents::Contents;
 use crate::habits::{Habits, RangeRates};
 use crate::table::Table;
+use crate::turning::norths_after;
 
 /// One target report: all that a tracker may know of it.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
@@ -147,12 +148,15 @@ impl RadarRecording {
 
     /// North passages at the pace of the configured turn, for plots whose times and azimuths know of none.
     pub fn assume_turns(&mut self, turn_ns: i64) {
-        let (first, last) = (self.reports.first(), self.reports.last());
-        let times = first.and_then(|report| report.clock_ns).zip(last.and_then(|report| report.clock_ns));
-        let Some((first_ns, last_ns)) = times else { return };
-        let before = |time_ns: i64| self.reports.partition_point(|report| report.clock_ns < Some(time_ns));
-        let cycles = (first_ns..=last_ns).step_by(turn_ns.max(1) as usize);
-        self.cycles = cycles.map(|clock_ns| Cycle { clock_ns, reports_before: before(clock_ns) }).collect();
+        let times = self.reports.iter().enumerate().filter_map(|(index, report)| Some((index, report.clock_ns?)));
+        for (reports_before, clock_ns) in times {
+            let Some(north_ns) = self.cycles.last().map(|cycle| cycle.clock_ns) else {
+                self.cycles.push(Cycle { clock_ns, reports_before });
+                continue;
+            };
+            let norths = norths_after((clock_ns - north_ns) / turn_ns.max(1));
+            self.cycles.extend(norths.map(|turn| Cycle { clock_ns: north_ns + turn * turn_ns, reports_before }));
+        }
     }
 
     fn take(&mut self, message: &Message, intake: &mut Intake<'_>) -> Result<(), Reject> {

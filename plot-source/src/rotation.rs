@@ -22,6 +22,7 @@ use std::f64::consts::TAU;
 
 use common::units::NS_PER_S;
 
+use crate::antenna::FARTHEST;
 use crate::clock::STEP_NS;
 use crate::continuity::Gap;
 use crate::radar::{Cycle, Report};
@@ -194,6 +195,13 @@ impl Rotations {
         } else {
             times[1]
         }
+    }
+
+    /// Whether the antenna passed an azimuth at about a time in a turn.
+    pub fn fits(&self, scan: usize, time_ns: i64, azimuth_rad: f64) -> bool {
+        let (begin, end) = self.turns_ns[scan];
+        let (turn_ns, turned) = ((end - begin) as f64, azimuth_rad / TAU);
+        ((time_ns - begin) as f64 - turn_ns * turned).abs() <= FARTHEST * turn_ns
     }
 
     /// The turn that a report belongs to: the one whose start is nearest to the time at which

@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use common::config::ChainConfig;
+use asterix::report::SourceId;
+use common::config::{ChainConfig, SiteConfig};
 use common::health::{Reject, Rejected};
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::plots::{Plot, PlotsHeader};
@@ -15,6 +16,7 @@ use crate::contents::{Contents, editions};
 use crate::error::SourceError;
 use crate::habits::RangeRates;
 use crate::level::AmplitudeLevel;
+use crate::live::Trouble;
 use crate::radar::{RadarRecording, WhichSource};
 use crate::registration::Registration;
 use crate::rotation::Rotations;
@@ -52,7 +54,7 @@ pub struct Source {
     is_sound: bool,
 }
 
-/// A turn differs so much from the configured one that it is worth a word.
+/// A turn is another one than the configured one that differs from it by this share.
 const OTHER_TURN: f64 = 0.05;
 
 impl Source {
@@ -147,17 +149,21 @@ impl Source {
             None => None,
         };
         let mut reports = Vec::with_capacity(recording.reports.len());
-        let mut level = AmplitudeLevel::new(plot_source.pfa);
+        let (mut level, mut astray) = (AmplitudeLevel::new(plot_source.pfa), 0);
         for (index, report) in recording.reports.iter().enumerate() {
             let time_ns = rotations.time_of(index, report);
-            match rotations.scan_of(time_ns, report.azimuth_rad) {
-                Some(scan) => {
-                    let statistic = report.amplitude_db.map(|amplitude_db| level.statistic(amplitude_db));
-                    let sighting = Sighting { time_ns: time_ns.max(0) as u64, report: *report, statistic };
-                    reports.push((scan as u32, sighting));
-                }
-                None => rejected.count(Reject::Late),
-            }
+            let Some(scan) = rotations.scan_of(time_ns, report.azimuth_rad) else {
+                astray += 1;
+                rejected.count(Reject::Late);
+                continue;
+            };
+            astray += usize::from(!rotations.fits(scan, time_ns, report.azimuth_rad));
+            let statistic = report.amplitude_db.map(|amplitude_db| level.statistic(amplitude_db));
+            let sighting = Sighting { time_ns: time_ns.max(0) as u64, report: *report, statistic };
+            reports.push((scan as u32, sighting));
+        }
+        if !assumes_turns && 2 * astray > recording.reports.len() {
+            notes.extend(named(radar_path, vec![Trouble::Astray.to_string()]));
         }
         if reports.is_empty() {
             is_sound = false;
@@ -248,11 +254,7 @@ impl Iterator for Source {
 fn about_source(recording: &RadarRecording, config: &ChainConfig) -> Vec<String> {
     let mut notes: Vec<String> =
         recording.foreign().map(|(source, count)| format!("{source}: {count} records foreign, not used")).collect();
-    if let Some(source) = recording.source
-        && (config.site.sac.is_none() || config.site.sic.is_none())
-    {
-        notes.push(format!("taken for the site's: {source} (keys `site.sac` and `site.sic` do not both say)"));
-    }
+    notes.extend(recording.source.and_then(|source| taken_for_the_sites(source, &config.site)));
     match recording.range_rates {
         RangeRates::Receding => {}
         RangeRates::Approaching => {
@@ -263,12 +265,22 @@ fn about_source(recording: &RadarRecording, config: &ChainConfig) -> Vec<String>
     notes
 }
 
+/// That a sensor is taken for the site's, unless the site names it.
+pub(crate) fn taken_for_the_sites(source: SourceId, site: &SiteConfig) -> Option<String> {
+    let is_named = site.sac.is_some() && site.sic.is_some();
+    (!is_named).then(|| format!("taken for the site's: {source} (keys `site.sac` and `site.sic` do not both say)"))
+}
+
+/// Whether a turn differs so much from the configured one that it is worth a word.
+pub(crate) fn is_other_turn(turn_s: f64, configured_s: f64) -> bool {
+    (turn_s / configured_s - 1.0).abs() > OTHER_TURN
+}
+
 /// What the user should know of the time in a recording.
 fn about_time(recording: &RadarRecording, rotations: &Rotations, configured_s: f64) -> Vec<String> {
     let mut notes = Vec::new();
     let turns_s = rotations.typical_turns_s();
-    let differs = |turn_s: f64| (turn_s / configured_s - 1.0).abs() > OTHER_TURN;
-    if differs(turns_s.0) || differs(turns_s.1) {
+    if is_other_turn(turns_s.0, configured_s) || is_other_turn(turns_s.1, configured_s) {
         let (from_s, to_s) = turns_s;
         let takes =
             if to_s - from_s < 0.01 * to_s { format!("{to_s:.3}") } else { format!("{from_s:.3} to {to_s:.3}") };

@@ -14,8 +14,14 @@ use serde::Deserialize;
 
 /// Times below this are of the configured date, s.
 const TWO_DAYS_S: f64 = 2.0 * 86_400.0;
-/// Largest time that is possible, s since 1970.
-const LAST_S: f64 = 1e10;
+/// Largest time that is possible, s since 1970: in 2065. Three times as many nanoseconds can be counted in 64 bits.
+const LAST_S: f64 = 3e9;
+/// Largest values of a plot that are possible: m, degrees, m/s, m above the sea, dB.
+const LARGEST_RANGE_M: f64 = 1e8;
+const LARGEST_AZIMUTH_DEG: f64 = 720.0;
+const LARGEST_RANGE_RATE_MPS: f64 = 1e5;
+const LARGEST_HEIGHT_M: f64 = 1e8;
+const LARGEST_AMPLITUDE_DB: f64 = 300.0;
 
 /// A line of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -45,21 +51,23 @@ impl Row {
     }
 
     fn is_possible(&self) -> bool {
-        let known = [self.range_rate_mps, self.height_m, self.amplitude_db];
+        let may_be = |value: Option<f64>, largest: f64| value.is_none_or(|value| value.abs() <= largest);
         (0.0..LAST_S).contains(&self.time_s)
             && self.range_m > 0.0
-            && self.range_m.is_finite()
-            && self.azimuth_deg.abs() <= 720.0
-            && known.iter().flatten().all(|value| value.is_finite())
+            && may_be(Some(self.range_m), LARGEST_RANGE_M)
+            && may_be(Some(self.azimuth_deg), LARGEST_AZIMUTH_DEG)
+            && may_be(self.range_rate_mps, LARGEST_RANGE_RATE_MPS)
+            && may_be(self.height_m, LARGEST_HEIGHT_M)
+            && may_be(self.amplitude_db, LARGEST_AMPLITUDE_DB)
     }
 }
 
-/// A table: its lines, and those that could not be read.
+/// A table of plots.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Table {
     /// Lines in the order of the file.
     pub rows: Vec<Row>,
-    /// Bytes and lines that could not be read, and why the first of them could not.
+    /// Lines that could not be read, and why the first of them could not.
     pub unread: Option<Unread>,
 }
 

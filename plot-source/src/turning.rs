@@ -10,12 +10,16 @@
 //! follows t₀ and T report by report.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use crate::radar::{Cycle, Report};
+use crate::rotation::LONGEST_PAUSE;
 
 /// Reports from which the turn is searched, and the least that can tell it.
 const SEARCHED: usize = 100;
 const FEWEST: usize = 10;
+/// Nominal turns within which they are.
+const LONGEST_SEARCHED: f64 = 1000.0;
 /// Step of the search, as a share of what would turn the last direction once relative to the first.
 const FINENESS: f64 = 0.1;
 /// Length of the mean direction that is agreement, and what is as good as the best.
@@ -35,8 +39,15 @@ pub fn norths(reports: &[Report], nominal_ns: i64) -> Option<Vec<Cycle>> {
         .filter_map(|(index, report)| Some((index, report.clock_ns? as f64, report.azimuth_rad / TAU)))
         .collect();
     let &(_, first_ns, _) = sightings.first()?;
-    let roughly_ns = search(&sightings, first_ns, nominal_ns as f64)?;
-    let (mut north_ns, mut turn_ns) = refine(&sightings, first_ns, roughly_ns);
+    let is_near = |time_ns: f64| (time_ns - first_ns).abs() < LONGEST_SEARCHED * nominal_ns as f64;
+    let searched: Vec<(f64, f64)> = sightings
+        .iter()
+        .take(SEARCHED)
+        .filter(|&&(_, time_ns, _)| is_near(time_ns))
+        .map(|&(_, time_ns, turned)| (time_ns, turned))
+        .collect();
+    let roughly_ns = search(&searched, first_ns, nominal_ns as f64)?;
+    let (mut north_ns, mut turn_ns) = refine(&searched, first_ns, roughly_ns);
     north_ns -= turn_ns * ((north_ns - first_ns) / turn_ns).ceil(); // at the first report or before
     let mut cycles = vec![Cycle { clock_ns: north_ns as i64, reports_before: 0 }];
     for (index, time_ns, turned) in sightings {
@@ -46,7 +57,7 @@ pub fn norths(reports: &[Report], nominal_ns: i64) -> Option<Vec<Cycle>> {
         if residual_ns.abs() > FARTHEST * turn_ns {
             continue;
         }
-        for turn in 1..=(turns as i64) {
+        for turn in norths_after(turns as i64) {
             let clock_ns = (north_ns + turn as f64 * turn_ns) as i64;
             cycles.push(Cycle { clock_ns, reports_before: index });
         }
@@ -58,10 +69,14 @@ pub fn norths(reports: &[Report], nominal_ns: i64) -> Option<Vec<Cycle>> {
     Some(cycles)
 }
 
+/// Which of so many turns are told one by one: of a long pause, the last alone.
+pub(crate) fn norths_after(turns: i64) -> RangeInclusive<i64> {
+    if turns > LONGEST_PAUSE { turns..=turns } else { 1..=turns }
+}
+
 /// The time of a turn on which the first reports agree, ns.
-fn search(sightings: &[(usize, f64, f64)], first_ns: f64, nominal_ns: f64) -> Option<f64> {
-    let searched = &sightings[..sightings.len().min(SEARCHED)];
-    let longest_ns = searched.iter().map(|&(_, time_ns, _)| (time_ns - first_ns).abs()).fold(0.0, f64::max);
+fn search(searched: &[(f64, f64)], first_ns: f64, nominal_ns: f64) -> Option<f64> {
+    let longest_ns = searched.iter().map(|&(time_ns, _)| (time_ns - first_ns).abs()).fold(0.0, f64::max);
     if searched.len() < FEWEST || longest_ns < nominal_ns {
         return None;
     }
@@ -79,11 +94,10 @@ fn search(sightings: &[(usize, f64, f64)], first_ns: f64, nominal_ns: f64) -> Op
 }
 
 /// t₀ and T by least squares over the first reports, ns, from a T so good that none of them is half a turn off.
-fn refine(sightings: &[(usize, f64, f64)], first_ns: f64, turn_ns: f64) -> (f64, f64) {
-    let searched = &sightings[..sightings.len().min(SEARCHED)];
+fn refine(searched: &[(f64, f64)], first_ns: f64, turn_ns: f64) -> (f64, f64) {
     let start = mean_direction(searched, first_ns, turn_ns).0;
     let count = searched.len() as f64;
-    let points = searched.iter().map(|&(_, time_ns, turned)| {
+    let points = searched.iter().map(|&(time_ns, turned)| {
         let passed = (time_ns - first_ns) / turn_ns;
         let residual = passed - turned - start;
         (passed, residual - residual.round())
@@ -98,10 +112,9 @@ fn refine(sightings: &[(usize, f64, f64)], first_ns: f64, turn_ns: f64) -> (f64,
 }
 
 /// North after the first report as a share of a turn, and how well reports agree on it.
-fn mean_direction(sightings: &[(usize, f64, f64)], first_ns: f64, turn_ns: f64) -> (f64, f64) {
-    let searched = &sightings[..sightings.len().min(SEARCHED)];
+fn mean_direction(searched: &[(f64, f64)], first_ns: f64, turn_ns: f64) -> (f64, f64) {
     let (mut sin, mut cos) = (0.0, 0.0);
-    for &(_, time_ns, turned) in searched {
+    for &(time_ns, turned) in searched {
         let angle = TAU * ((time_ns - first_ns) / turn_ns - turned);
         sin += angle.sin();
         cos += angle.cos();

@@ -10,7 +10,7 @@ use common::message::END_OF_SCAN;
 use common::plots::{Plot, PlotsHeader};
 use common::tracks::{CONFIRMED, Track};
 use plot_source::live::{Closed, LiveRadar};
-use synthetic::{Dialect, MIDNIGHT_NS, Recorder, block, chain, messages, open};
+use synthetic::{Dialect, MIDNIGHT_NS, Recorder, SOURCE, block, chain, messages, open};
 use tracker::Tracker;
 
 const TURNS: u32 = 60;
@@ -257,4 +257,159 @@ fn a_target_where_a_sector_begins_is_not_late() {
     assert_eq!(plots(&heard).len() as u64 + radar.rejected().of(Reject::Late), u64::from(32 * TURNS));
     let full = heard.iter().filter(|(_, _, plots)| plots.len() == 1).count();
     assert!(full >= 32 * (TURNS as usize - 3), "{full} sectors with their plot, {:?}", radar.events());
+}
+
+/// Reports and sector messages of category 048 and 034 with other azimuths, shares of a turn.
+fn with_azimuths(datagrams: &mut [(f64, Vec<u8>)], azimuth: impl Fn(f64) -> f64) {
+    for (_, datagram) in datagrams {
+        match datagram[..] {
+            [48, .., high, low] => {
+                let turned = azimuth(f64::from(u16::from_be_bytes([high, low])) / 65_536.0).rem_euclid(1.0);
+                let octets = ((turned * 65_536.0).round() as u32 as u16).to_be_bytes();
+                datagram.splice(12.., octets);
+            }
+            [34, _, _, 0xf0, .., last] => {
+                let turned = azimuth(f64::from(last) / 256.0).rem_euclid(1.0);
+                datagram[10] = (turned * 256.0).round() as u32 as u8;
+            }
+            _ => {}
+        }
+    }
+}
+
+/// What cannot be taken for an antenna that turns clockwise is said, whatever the radar tells of its antenna.
+#[test]
+fn an_antenna_that_stands_still_or_turns_back_is_said() {
+    for sector_messages in [0, 32] {
+        for has_service in [true, false] {
+            let recorder =
+                Recorder { dialect: Dialect::Monoradar, sector_messages, has_service, ..Recorder::default() };
+            let datagrams = recorder.timed_blocks(TURNS);
+            let mut radar = listener(&live_chain());
+            hear(&mut radar, &datagrams);
+            assert_eq!(radar.trouble(), None, "{sector_messages} {has_service}");
+            for is_still in [false, true] {
+                let mut other = datagrams.clone();
+                with_azimuths(&mut other, |turned| if is_still { 0.3 } else { -turned });
+                let mut radar = listener(&live_chain());
+                hear(&mut radar, &other);
+                assert!(radar.trouble().is_some(), "{sector_messages} {has_service} {is_still}: {:?}", radar.events());
+            }
+        }
+    }
+}
+
+/// Whatever the sectors of the radar's messages and those of the configuration: no plot is late for it.
+#[test]
+fn sectors_need_not_be_those_of_the_messages() {
+    for (sectors, delay_s) in [(32, 0.0), (24, 0.0), (10, 0.0), (100, 0.0), (32, 0.1)] {
+        let recorder =
+            Recorder { dialect: Dialect::Monoradar, sector_messages: 32, turn_s: &|_| 2.0, ..Recorder::default() };
+        let mut chain = live_chain();
+        (chain.plot_source.sectors_per_scan, chain.plot_source.sector_delay_s) = (sectors, delay_s);
+        let mut radar = listener(&chain);
+        let heard = hear(&mut radar, &recorder.timed_blocks(TURNS));
+        let late = radar.rejected().of(Reject::Late);
+        assert!(late <= 15, "{sectors} sectors: {late} reports late");
+        let (closed_ns, header, _) = &heard[heard.len() / 2];
+        let late_s = (*closed_ns as f64 - header.time_ns as f64) * 1e-9 - DELAY_S;
+        // A message of the radar tells up to a 32nd of a scan later that a sector is complete.
+        assert!(late_s < 0.02 + delay_s + 2.0 / 32.0, "{sectors} sectors {delay_s}: {late_s} s late");
+        assert!(radar.events().timed_out < 4 * u64::from(sectors), "{:?}", radar.events());
+    }
+}
+
+/// A single sector message with a wrong azimuth closes nothing, and a single wrong time sets no clock.
+#[test]
+fn wrong_messages_cost_nothing() {
+    let recorder = Recorder { dialect: Dialect::Monoradar, sector_messages: 32, ..Recorder::default() };
+    let mut datagrams = recorder.timed_blocks(TURNS);
+    let mut radar = listener(&live_chain());
+    let expected = plots(&hear(&mut radar, &datagrams));
+    let wrong: Vec<(f64, Vec<u8>)> = datagrams
+        .iter()
+        .filter(|(time_s, datagram)| datagram[3] == 0xf0 && datagram[0] == 34 && *time_s > 10.0)
+        .step_by(7)
+        .map(|(time_s, datagram)| {
+            let mut wrong = datagram.clone();
+            wrong[10] = wrong[10].wrapping_add(90);
+            (time_s + 0.001, wrong)
+        })
+        .collect();
+    // Three in a row whose times differ from each other as well.
+    let hours = (1..=3_u8).map(|hour| (20.5, block(34, &[&[0xe0], &SOURCE[..], &[1, 7 * hour, 0, hour]].concat())));
+    datagrams.extend(wrong.iter().cloned().chain(hours));
+    datagrams.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut radar = listener(&live_chain());
+    assert_eq!(plots(&hear(&mut radar, &datagrams)), expected, "{:?}", radar.events());
+    assert_eq!((radar.events().astray, radar.events().clock_set), (wrong.len() as u64, 0));
+    assert_eq!(radar.rejected().of(Reject::NoTime), 3);
+}
+
+/// A radar whose messages of the antenna end is followed by its reports, though its turn goes on changing.
+#[test]
+fn messages_of_the_antenna_may_end() {
+    let turn_s = |turn: u32| 2.0 + 0.004 * f64::from(turn);
+    let recorder = Recorder { dialect: Dialect::Monoradar, turn_s: &turn_s, ..Recorder::default() };
+    let mut datagrams = recorder.timed_blocks(3 * TURNS);
+    datagrams.retain(|(time_s, datagram)| datagram[0] == 48 || *time_s < 40.0);
+    let mut radar = listener(&live_chain());
+    let heard = hear(&mut radar, &datagrams);
+    assert_eq!(confirmed(&heard).len(), 5, "{:?}", radar.events());
+    let last_s = turn_s(3 * TURNS);
+    assert!(radar.turn_s().is_some_and(|found_s| (found_s - last_s).abs() < 0.02), "{:?}", radar.turn_s());
+}
+
+/// A radar without messages of its antenna that comes back in another phase is found again.
+#[test]
+fn a_radar_without_service_may_come_back() {
+    let recorder = Recorder { dialect: Dialect::Monoradar, has_service: false, ..Recorder::default() };
+    let again = Recorder { clock_s: &|true_s| START_S + true_s + 100.37, ..recorder };
+    let mut datagrams = recorder.timed_blocks(TURNS);
+    datagrams.extend(again.timed_blocks(TURNS).into_iter().map(|(time_s, block)| (time_s + 100.37, block)));
+    let mut radar = listener(&live_chain());
+    let heard = hear(&mut radar, &datagrams);
+    assert_eq!((radar.events().moved, radar.trouble()), (1, None), "{:?}", radar.events());
+    let last = &heard[heard.len() - 20 * 32..];
+    assert!(last.iter().map(|(_, _, plots)| plots.len()).sum::<usize>() > 5 * 14, "{:?}", radar.rejected());
+}
+
+/// Silence of more than half a day is no other clock.
+#[test]
+fn a_radar_may_be_silent_for_half_a_day() {
+    let recorder = Recorder { dialect: Dialect::Monoradar, sector_messages: 32, ..Recorder::default() };
+    let silence_s = 50_000.0;
+    let again = Recorder { clock_s: &|true_s| (START_S + true_s + 50_000.0) % 86_400.0, ..recorder };
+    let mut radar = listener(&live_chain());
+    hear(&mut radar, &recorder.timed_blocks(10));
+    for (time_s, datagram) in again.timed_blocks(10) {
+        radar.take(&datagram, now_ns(time_s + silence_s));
+    }
+    assert_eq!((radar.events().clock_set, radar.rejected().of(Reject::NoTime)), (0, 0));
+}
+
+/// What floods in takes no more memory than two messages of a sector hold, and what has come due meanwhile than a scan.
+#[test]
+fn memory_is_bounded_whatever_comes() {
+    let recorder = Recorder { dialect: Dialect::Monoradar, sector_messages: 32, ..Recorder::default() };
+    let mut radar = listener(&live_chain());
+    hear(&mut radar, &recorder.timed_blocks(10));
+    let datagrams = recorder.timed_blocks(TURNS);
+    let (time_s, report) = datagrams.iter().find(|(time_s, it)| *time_s > 14.0 && it[0] == 48).expect("a report");
+    for range in 1..=10_000_u16 {
+        let mut flood = report.clone();
+        flood.splice(10..12, range.to_be_bytes());
+        radar.take(&flood, now_ns(*time_s));
+    }
+    let mut closed = Closed::new();
+    radar.close_due(now_ns(*time_s), &mut closed);
+    closed.clear();
+    radar.close_due(now_ns(*time_s) + 1_000_000_000, &mut closed);
+    let message = closed.iter().find(|(_, plots)| !plots.is_empty()).expect("the sector of the flood");
+    assert!(message.0.left_out > 0 && message.1.len() == common::plots::MAX_PLOTS);
+    let taken = message.1.len() as u64 + u64::from(message.0.left_out);
+    assert_eq!(taken + radar.rejected().of(Reject::Full), 10_000);
+    closed.clear();
+    radar.close_due(now_ns(time_s + 1e6), &mut closed);
+    assert_eq!(closed.len(), 32);
 }

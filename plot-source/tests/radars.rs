@@ -130,3 +130,34 @@ fn tables_of_plots_give_the_same_tracks() {
     assert!(source.notes().iter().any(|note| note.contains("1 lines could not be read")), "{:?}", source.notes());
     assert_eq!(source.rejected().of(common::health::Reject::BadPlot), 1);
 }
+
+/// An antenna that turns the other way is said; every north marker of the recording is right.
+#[test]
+fn a_recording_of_an_antenna_that_turns_back_is_said() {
+    let mut blocks = Recorder { dialect: Dialect::Monoradar, ..Recorder::default() }.blocks(TURNS);
+    let says = |blocks: &[Vec<u8>]| {
+        let source = open(&coarse(), &blocks.concat()).expect("a recording");
+        source.notes().iter().any(|note| note.contains("counter-clockwise"))
+    };
+    assert!(!says(&blocks));
+    for report in blocks.iter_mut().filter(|block| block[0] == 48) {
+        let azimuth = u16::from_be_bytes([report[12], report[13]]).wrapping_neg();
+        report.splice(12.., azimuth.to_be_bytes());
+    }
+    assert!(says(&blocks));
+}
+
+/// A line whose time is years from the others costs neither memory nor time, wherever it stands.
+#[test]
+fn a_table_may_have_a_line_of_another_year() {
+    for turns in [2, 60] {
+        for stray_s in [1.0, 2.9e9] {
+            let mut lines = vec!["time_s,range_m,azimuth_deg".to_string()];
+            let begin_s = 1_714_867_200;
+            lines.extend((0..turns).map(|turn| format!("{},{},90", begin_s + turn, 5000 + 10 * turn)));
+            lines.push(format!("{stray_s},5000,90"));
+            let source = open(&coarse(), lines.join("\n").as_bytes()).expect("a table");
+            assert!(source.scans() < 200, "{turns} {stray_s}: {} scans", source.scans());
+        }
+    }
+}

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::units::DAY_NS;
+
 use super::load::{ConfigError, not_negative, positive, require, within};
 
 /// Recording with real plots, and the properties of the radar that made it.
@@ -134,7 +136,7 @@ impl PlotSourceConfig {
 
     /// Midnight UTC at the start of the configured date, ns since 1970; 0 for a date that is none.
     pub fn midnight_ns(&self) -> u64 {
-        self.days_since_1970().unwrap_or(0) * 86_400_000_000_000
+        self.days_since_1970().unwrap_or(0) * DAY_NS
     }
 
     fn days_since_1970(&self) -> Option<u64> {

@@ -9,13 +9,13 @@ use asterix::report::{SourceId, TimeOfDay};
 use asterix::tables::{CAT062_1_21, CAT065_1_6};
 use asterix::{BlockWriter, EncodeError};
 use common::config::{ChainConfig, Source};
+use common::geodesy::LocalFrame;
 use common::message::END_OF_SCAN;
 use common::tracks::{
     COASTING, KIND_COORDINATED_TURN, KIND_MANOEUVRE, KIND_MEAN_ACCELERATION, STATE, TENTATIVE, TERMINATED, Track,
     TracksHeader,
 };
-
-use crate::geodetic::RadarFrame;
+use common::units::{DAY_NS, NS_PER_S};
 
 /// Largest datagram, octets: it fits into one packet of an Ethernet.
 const LARGEST: usize = 1400;
@@ -24,9 +24,8 @@ const NO_HEIGHT_M: f64 = 2000.0;
 /// A slower climb or descent is level flight, m/s; a slower change of speed is none, m/s².
 const LEVEL_MPS: f64 = 1.5;
 const EVEN_MPS2: f64 = 0.5;
-/// Nanoseconds of a day and of a second.
-const DAY_NS: u64 = 86_400_000_000_000;
-const S_NS: f64 = 1e9;
+/// A track without plots for so long has ended, though no message has said so, ns.
+const FORGOTTEN_NS: u64 = 600_000_000_000;
 
 /// What is remembered of a track.
 #[derive(Debug, Clone, Copy)]
@@ -35,25 +34,27 @@ struct Known {
     last_plot_ns: u64,
 }
 
-/// Tracks of one radar on their way out.
+/// The tracks of a site, of one radar or fused, on their way into datagrams.
 #[derive(Debug)]
-pub struct SystemTracks {
+pub struct TrackDatagrams {
     source: SourceId,
-    frame: Option<RadarFrame>,
+    frame: Option<LocalFrame>,
+    monosensor: bool,
     simulated: bool,
     tentative: bool,
     known: HashMap<u64, Known>,
     not_sent: u64,
 }
 
-impl SystemTracks {
-    /// For the site of a chain; with `tentative` also tracks that are not confirmed.
-    pub fn new(chain: &ChainConfig, tentative: bool) -> Self {
+impl TrackDatagrams {
+    /// For the site of a chain, whose targets may be simulated; with `tentative` also tracks that are not confirmed.
+    pub fn new(chain: &ChainConfig, simulated: bool, tentative: bool) -> Self {
         let [sac, sic] = (chain.site.source_id() as u16).to_be_bytes();
         Self {
             source: SourceId { sac, sic },
-            frame: chain.site.position.as_ref().map(RadarFrame::new),
-            simulated: chain.run.source == Source::RadarSim,
+            frame: chain.site.position.as_ref().map(LocalFrame::new),
+            monosensor: chain.run.source != Source::Fusion,
+            simulated,
             tentative,
             known: HashMap::new(),
             not_sent: 0,
@@ -86,10 +87,9 @@ impl SystemTracks {
         if !open.is_empty() {
             datagrams.push(open);
         }
-        if header.has(END_OF_SCAN)
-            && let Ok(status) = self.status(header)
-        {
-            datagrams.push(status);
+        if header.has(END_OF_SCAN) {
+            self.known.retain(|_, known| header.time_ns.saturating_sub(known.last_plot_ns) < FORGOTTEN_NS);
+            datagrams.extend(self.status(header).ok());
         }
         datagrams
     }
@@ -120,7 +120,7 @@ impl SystemTracks {
         if ended {
             self.known.remove(&track.id);
         }
-        let since_s = |time_ns: u64| track.time_ns.saturating_sub(time_ns) as f64 / S_NS;
+        let since_s = |time_ns: u64| track.time_ns.saturating_sub(time_ns) as f64 / NS_PER_S;
         let [x, vx, ax, y, vy, ay, _, vz, _] = track.state;
         let sigma = |index: usize| track.covariance[packed(index, index)].max(0.0).sqrt();
         let has_height = sigma(6) < NO_HEIGHT_M && sigma(6) > 0.0;
@@ -136,7 +136,7 @@ impl SystemTracks {
             acceleration_mps2: knows_acceleration.then_some([ax, ay]),
             height_m: place.filter(|_| has_height).map(|place| place.height_m),
             climb_rate_mps: has_height.then_some(vz),
-            monosensor: true,
+            monosensor: self.monosensor,
             tentative: track.state_code == TENTATIVE,
             simulated: self.simulated,
             first,
@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn a_track_goes_out_from_its_first_message_to_its_last() {
-        let mut out = SystemTracks::new(&chain(), false);
+        let mut out = TrackDatagrams::new(&chain(), false, false);
         let scan = |flags: u32| TracksHeader { time_ns: NOON_NS, flags, ..TracksHeader::default() };
         assert_eq!(read(&out.datagrams(&scan(0), &[track(7, NOON_NS, TENTATIVE)])), (vec![], 0));
         let (first, statuses) =
@@ -260,7 +260,7 @@ mod tests {
         assert_eq!((sent.source, sent.number, sent.first, sent.last), (SourceId { sac: 25, sic: 7 }, 7, true, false));
         assert_eq!(sent.time_of_day.map(|time| time.steps), Some(12 * 3600 * 128));
         assert_eq!((sent.position_m, sent.velocity_mps), (Some([12_345.0, -6789.0]), Some([30.0, -40.0])));
-        let frame = RadarFrame::new(&chain().site.position.expect("a position"));
+        let frame = LocalFrame::new(&chain().site.position.expect("a position"));
         let place = frame.place([12_345.25, -6789.0, 900.0]);
         let [latitude_deg, longitude_deg] = sent.position_deg.expect("a position");
         let half_step_deg = 90.0 / f64::from(1 << 25);
@@ -279,9 +279,32 @@ mod tests {
         assert!(out.known.is_empty());
     }
 
+    /// An observer may miss the message that ends a track: it is forgotten all the same.
+    #[test]
+    fn a_track_whose_end_was_missed_is_forgotten() {
+        let mut out = TrackDatagrams::new(&chain(), false, false);
+        let scan = |time_ns: u64| TracksHeader { time_ns, flags: END_OF_SCAN, ..TracksHeader::default() };
+        out.datagrams(&scan(NOON_NS), &[track(7, NOON_NS, common::tracks::CONFIRMED)]);
+        assert_eq!(out.known.len(), 1);
+        out.datagrams(&scan(NOON_NS + FORGOTTEN_NS), &[]);
+        assert!(out.known.is_empty());
+    }
+
+    #[test]
+    fn fused_tracks_are_of_several_sensors() {
+        let mut fused = chain();
+        fused.run.source = Source::Fusion;
+        for (chain, monosensor) in [(chain(), true), (fused, false)] {
+            let mut out = TrackDatagrams::new(&chain, true, false);
+            let tracks = [track(7, NOON_NS, common::tracks::CONFIRMED)];
+            let (sent, _) = read(&out.datagrams(&TracksHeader::default(), &tracks));
+            assert_eq!((sent[0].monosensor, sent[0].simulated), (monosensor, true));
+        }
+    }
+
     #[test]
     fn many_tracks_are_several_datagrams_and_impossible_ones_are_counted() {
-        let mut out = SystemTracks::new(&chain(), false);
+        let mut out = TrackDatagrams::new(&chain(), false, false);
         let mut tracks: Vec<Track> = (0..500).map(|id| track(id, NOON_NS, common::tracks::CONFIRMED)).collect();
         tracks[100].state[0] = 1e9;
         tracks[101].state[3] = f64::NAN;
