@@ -168,7 +168,7 @@ pub(super) fn follow(setting: &Setting, truth: &[Truth], plots: &[Measurement], 
         }
     }
     let filter = setting.filter();
-    let models = filter.grid.len();
+    let models = filter.grid.models();
     let mut track = OneTrack::new(Box::new(filter));
     track.start(&TwoPlots { previous: &plots[0], last: &plots[1], step_s: STEP_S });
     for scan in 2..plots.len() {

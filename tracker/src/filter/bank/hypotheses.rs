@@ -170,7 +170,7 @@ pub(in crate::filter) fn layout(hypotheses: usize, window: usize) -> Layout {
 }
 
 #[inline(always)]
-pub(super) fn packed<S: Simd>(lanes: Lanes<S>, block: Block, group: &Group) -> [V<S>; 6] {
+fn packed<S: Simd>(lanes: Lanes<S>, block: Block, group: &Group) -> [V<S>; 6] {
     std::array::from_fn(|k| lanes.get(&group.rows()[block.covariance(k)]))
 }
 
