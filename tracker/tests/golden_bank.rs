@@ -1,19 +1,18 @@
-//! Every case of `tests/golden/multi_alternative` (or of the folder `GOLDEN_DIR`): steps to 1e-10, chains to 1e-8 of max(1, |value|).
+//! Every case of `tests/golden/multi_alternative` (or of the folder `GOLDEN_DIR`): steps to 1e-10 (1 + |value|), chains to 1e-8 (1 + |value|).
 //!
 //! The files come from an independent reference program (see `golden/README.md`). They know one coordinate, here the first; state [w v m].
 
 mod golden_files;
 
 use common::config::BandwidthConfig;
-use golden_files::{array, golden_files, number, numbers};
+use golden_files::{Check, array, for_each_case, number, numbers, said, three};
 use serde_json::Value;
 use tracker::association::one_track::OneTrack;
 use tracker::filter::bank::{AdaptiveBandwidth, MultiAlternative, Rule};
 use tracker::filter::{Filter, Mixture, TwoPlots};
-use tracker::plots::measurement::{COORDINATES, Measurement};
-use tracker::plots::radar::Radar;
+use tracker::plots::measurement::Measurement;
 
-/// Of steps and of chains.
+/// Limits of steps and of chains.
 const STEP: f64 = 1e-10;
 const CHAIN: f64 = 1e-8;
 /// The four rules and what the files call their outputs.
@@ -25,61 +24,28 @@ const RULES: [(Rule, &str); 4] = [
 ];
 /// Place of element (row, column) of P in a block.
 const PACKED: [[usize; 3]; 3] = [[0, 1, 3], [1, 2, 4], [3, 4, 5]];
-/// Only to find gates by, which certain plots do not need.
-const RADAR: Radar = Radar {
-    variance: [1.0; COORDINATES],
-    cell: [1.0; COORDINATES],
-    measured: [true, true, false, false],
-    range_rate_interval_mps: 0.0,
-};
-
 #[test]
 fn every_case_agrees() {
-    let mut cases = 0;
-    for file in golden_files("multi_alternative") {
-        let text = std::fs::read_to_string(&file).expect("readable");
-        let content: Value = serde_json::from_str(&text).expect("JSON");
-        for (index, case) in array(&content["cases"]).iter().enumerate() {
-            let check = Check { case: format!("{}: {index} {}", file.display(), case["case"]) };
-            if case["F"].is_array() {
-                check.transition(case);
-            } else if case["q"].is_number() {
-                check.hypotheses(case);
-            } else if case["input"]["n_pp"].is_number() {
-                check.window(case);
-            } else if case["input"]["P"].is_array() {
-                check.step(case);
-            } else if case["means"].is_array() {
-                check.chain(case, &content);
-            } else if case["parameters"].is_object() {
-                check.baseline(case, &content);
-            } else {
-                panic!("{}: a case of no known kind", check.case);
-            }
-            cases += 1;
+    for_each_case("multi_alternative", |check, case, content| {
+        if case["F"].is_array() {
+            check.transition(case);
+        } else if case["q"].is_number() {
+            check.hypotheses(case);
+        } else if case["input"]["n_pp"].is_number() {
+            check.window(case);
+        } else if case["input"]["P"].is_array() {
+            check.step(case);
+        } else if case["means"].is_array() {
+            check.chain(case, content);
+        } else if case["parameters"].is_object() {
+            check.baseline(case, content);
+        } else {
+            panic!("{}: a case of no known kind", check.case);
         }
-    }
-    assert!(cases > 0, "no golden case found");
-}
-
-struct Check {
-    case: String,
+    });
 }
 
 impl Check {
-    fn close(&self, what: &str, ours: f64, golden: f64, limit: f64) {
-        let case = &self.case;
-        assert!((ours - golden).abs() <= limit * golden.abs().max(1.0), "{case}: {what}: {ours:e}, not {golden:e}");
-    }
-
-    fn all_close(&self, what: &str, ours: &[f64], golden: &Value, limit: f64) {
-        let golden = numbers(golden);
-        assert_eq!(ours.len(), golden.len(), "{}: {what}: length", self.case);
-        for (index, (a, b)) in ours.iter().zip(golden).enumerate() {
-            self.close(&format!("{what}[{index}]"), *a, b, limit);
-        }
-    }
-
     /// F column by column, the response to ±1 m/s², and Q from a certain state.
     fn transition(&self, case: &Value) {
         let (step_s, tau_s, sigma) = (number(&case["T"]), number(&case["tau"]), number(&case["sigma_w"]));
@@ -136,7 +102,7 @@ impl Check {
         let mut track = OneTrack::new(Box::new(filter.clone()));
         track.set(&words(&filter, &p, &states));
         track.predict(number(&input["T"]));
-        track.take(&plot(number(&input["z"]), number(&input["sigma_z"])), &RADAR);
+        track.take(&plot(number(&input["z"]), number(&input["sigma_z"])));
         let after = track.words();
         for i in 0..q {
             self.all_close("x", &after[block.hypothesis(i)..][..3], &output["x"][i], STEP);
@@ -194,16 +160,15 @@ impl Check {
 
     fn chain(&self, case: &Value, content: &Value) {
         let n = case["n_pp"].as_u64().expect("a number") as usize;
-        let said = |name: &str| said(content["note"].as_str().expect("a note"), name);
         for (rule, name) in RULES {
             let filter = self.bank(case, n, rule);
             let (block, q) = (filter.block(0), filter.means().len());
             let mut track = OneTrack::new(Box::new(filter.clone()));
-            let plots = self.begin(&mut track, content, said("T"), said("sigma_z"));
+            let plots = self.begin(&mut track, content, said(content, "T"), said(content, "sigma_z"));
             self.all_close("start", &track.words()[block.hypothesis(0)..][..3], &case["start_x"], CHAIN);
             for (scan, plot) in array(&case["scans"]).iter().zip(&plots[2..]) {
-                track.predict(said("T"));
-                track.take(plot, &RADAR);
+                track.predict(said(content, "T"));
+                track.take(plot);
                 let what = format!("scan {} {name}", scan["k"]);
                 self.all_close(&what, &reported(track.state()), &scan[name], CHAIN);
                 self.scores(&filter, track.words(), &scan["log_likelihood"], CHAIN);
@@ -246,7 +211,7 @@ impl Check {
         let plots = self.begin(&mut track, content, 0.1, 10.0);
         for (scan, plot) in array(&case["scans"]).iter().zip(&plots[2..]) {
             track.predict(0.1);
-            track.take(plot, &RADAR);
+            track.take(plot);
             let what = format!("scan {}", scan["k"]);
             self.all_close(&what, &reported(track.state()), &scan["x"], CHAIN);
             let covariance = track.state().gaussian(0).covariance;
@@ -257,19 +222,8 @@ impl Check {
     }
 }
 
-/// The number after a word in a note.
-fn said(note: &str, name: &str) -> f64 {
-    let note = format!(" {note}");
-    let rest = note.split_once(&format!(" {name} ")).unwrap_or_else(|| panic!("{name} in {note}")).1;
-    rest.split(' ').next().and_then(|number| number.parse().ok()).expect("a number")
-}
-
 fn whole(value: &Value) -> usize {
     value.as_u64().expect("a whole number") as usize
-}
-
-fn three(value: &Value) -> [f64; 3] {
-    numbers(value).try_into().expect("three numbers")
 }
 
 /// [a v m] of the first coordinate.

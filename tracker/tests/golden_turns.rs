@@ -1,78 +1,44 @@
-//! Every case of `tests/golden/vsmm` (or of the folder `GOLDEN_DIR`): steps to 1e-10, chains to 1e-8 of max(1, |value|).
+//! Every case of `tests/golden/vsmm` (or of the folder `GOLDEN_DIR`): steps to 1e-10 (1 + |value|), chains to 1e-8 (1 + |value|).
 //!
 //! The files come from an independent reference program (see `golden/README.md`). State [x ẋ y ẏ]; R is evaluated at the plot.
 
 mod golden_files;
 
-use golden_files::{array, golden_files, number, numbers};
+use golden_files::{Check, array, for_each_case, number, numbers, said, three};
 use nalgebra::{SMatrix, SVector};
 use serde_json::Value;
 use tracker::association::one_track::OneTrack;
 use tracker::filter::gaussian::{Gaussian, at};
 use tracker::filter::turn::{AdaptiveGrid, Carry, Grid, SwitchingGrid, Turn};
 use tracker::filter::{Filter, Mixture, TwoPlots};
-use tracker::plots::measurement::{COORDINATES, Measurement};
-use tracker::plots::radar::Radar;
+use tracker::plots::measurement::Measurement;
 
-/// Of steps and of chains.
+/// Limits of steps and of chains.
 const STEP: f64 = 1e-10;
 const CHAIN: f64 = 1e-8;
 /// Our state of each of the files'.
 const PLACE: [usize; 4] = [0, 3, 1, 4];
-/// Only to find gates by, which certain plots do not need.
-const RADAR: Radar = Radar {
-    variance: [1.0; COORDINATES],
-    cell: [1.0; COORDINATES],
-    measured: [true, true, false, false],
-    range_rate_interval_mps: 0.0,
-};
-
 #[test]
 fn every_case_agrees() {
-    let mut cases = 0;
-    for file in golden_files("vsmm") {
-        let text = std::fs::read_to_string(&file).expect("readable");
-        let content: Value = serde_json::from_str(&text).expect("JSON");
-        for case in array(&content["cases"]) {
-            let check = Check { case: format!("{}: {}", file.display(), case["case"]) };
-            let input = &case["input"];
-            if case["F"].is_array() {
-                check.transition(case, &content["Q_sigma_a_0p1"]);
-            } else if input["t1"].is_number() {
-                check.adaptation(case);
-            } else if input["n_grid"].is_number() {
-                check.switching(case);
-            } else if input["pi"].is_array() {
-                check.step(case);
-            } else if case["scans"].is_array() {
-                check.chain(case, &content);
-            } else {
-                panic!("{}: a case of no known kind", check.case);
-            }
-            cases += 1;
+    for_each_case("vsmm", |check, case, content| {
+        let input = &case["input"];
+        if case["F"].is_array() {
+            check.transition(case, &content["Q_sigma_a_0p1"]);
+        } else if input["t1"].is_number() {
+            check.adaptation(case);
+        } else if input["n_grid"].is_number() {
+            check.switching(case);
+        } else if input["pi"].is_array() {
+            check.step(case);
+        } else if case["scans"].is_array() {
+            check.chain(case, content);
+        } else {
+            panic!("{}: a case of no known kind", check.case);
         }
-    }
-    assert!(cases > 0, "no golden case found");
-}
-
-struct Check {
-    case: String,
+    });
 }
 
 impl Check {
-    fn close(&self, what: &str, ours: f64, golden: f64, limit: f64) {
-        let case = &self.case;
-        assert!((ours - golden).abs() <= limit * golden.abs().max(1.0), "{case}: {what}: {ours:e}, not {golden:e}");
-    }
-
-    fn all_close(&self, what: &str, ours: &[f64], golden: &Value, limit: f64) {
-        let golden = numbers(golden);
-        assert_eq!(ours.len(), golden.len(), "{}: {what}: length", self.case);
-        for (index, (a, b)) in ours.iter().zip(golden).enumerate() {
-            self.close(&format!("{what}[{index}]"), *a, b, limit);
-        }
-    }
-
     fn matrix_close(&self, what: &str, ours: &Gaussian, golden: &Value, limit: f64) {
         for (i, row) in array(golden).iter().enumerate() {
             let row_of_ours: Vec<f64> = PLACE.iter().map(|j| ours.covariance[at(PLACE[i], *j)]).collect();
@@ -140,7 +106,7 @@ impl Check {
             self.predicted_from(&mixed, *rate, step_s, noise_mps2, &track.state().gaussian(j));
         }
         let plot = plot(number(&input["rho"]), number(&input["alpha"]), input);
-        track.take(&plot, &RADAR);
+        track.take(&plot);
         self.all_close("mu", track.state().weights(), &output["mu"], STEP);
         for j in 0..rates.len() {
             let ours = track.state().gaussian(j);
@@ -197,12 +163,7 @@ impl Check {
     }
 
     fn chain(&self, case: &Value, content: &Value) {
-        let note = content["note"].as_str().expect("a note");
-        let said = |name: &str| {
-            let rest = note.split_once(&format!(" {name} ")).unwrap_or_else(|| panic!("{name} in {note}")).1;
-            let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(rest.len());
-            rest[..end].trim_end_matches('.').parse::<f64>().expect("a number")
-        };
+        let said = |name: &str| said(content, name);
         let errors = serde_json::json!({
             "sigma_rho": said("sigma_rho"), "sigma_alpha": said("sigma_alpha").to_radians()
         });
@@ -218,6 +179,7 @@ impl Check {
             });
             Grid::Adaptive(adaptive(&settings, three(&case["scans"][0]["turn_rates"])))
         } else {
+            let note = content["note"].as_str().expect("a note");
             let known = note.split_once("over [").expect("known rates").1.split_once(']').expect("a list").0;
             Grid::Switching(SwitchingGrid {
                 rates: known.split(',').map(|rate| rate.trim().parse::<f64>().expect("a rate").to_radians()).collect(),
@@ -235,7 +197,7 @@ impl Check {
         track.start(&TwoPlots { previous: &plots[0], last: &plots[1], step_s });
         for (scan, plot) in array(&case["scans"]).iter().zip(&plots[2..]) {
             track.predict(step_s);
-            track.take(plot, &RADAR);
+            track.take(plot);
             let (what, models) = (format!("scan {}", scan["k"]), first.len());
             self.all_close(&format!("{what} rates"), &track.state().memory()[..models], &scan["turn_rates"], CHAIN);
             self.all_close(&format!("{what} mu"), track.state().weights(), &scan["mu"], CHAIN);
@@ -280,10 +242,6 @@ fn adaptive(settings: &Value, first: [f64; 3]) -> AdaptiveGrid {
         narrow: number(&settings["t2"]),
         widen: number(&settings["t3"]),
     }
-}
-
-fn three(value: &Value) -> [f64; 3] {
-    numbers(value).try_into().expect("three numbers")
 }
 
 fn gaussian(mean: &Value, covariance: &Value) -> Gaussian {

@@ -65,14 +65,14 @@ fn name(estimator: Estimator) -> String {
 }
 
 fn follow(scenario: &Scenario, config: &TrackerConfig, seed: u64, run: u32) -> Means {
-    let (radar, axes) = (scenario.radar(), scenario.axes());
+    let axes = scenario.axes();
     let scenarios::Run { step_s, truth, plots } = scenario.run(seed, run);
-    let mut track = OneTrack::new(family(config, &radar, step_s));
+    let mut track = OneTrack::new(family(config, &scenario.radar(), step_s));
     track.start(&TwoPlots { previous: &plots[0], last: &plots[1], step_s });
     let (mut sums, mut counted) = ([0.0; 3], 0.0);
     for scan in 2..plots.len() {
         track.predict(step_s);
-        track.take(&plots[scan], &radar);
+        track.take(&plots[scan]);
         if scan >= scenario.first_scan() {
             let all = track.state().moments();
             let square = |first: usize, truth: &[f64; 3]| -> f64 {

@@ -1,7 +1,7 @@
 //! Targets of three kinds, their plots, and the settings with which every filter follows a kind.
 
 use common::config::{BandwidthConfig, BankConfig, TrackerConfig, TurnConfig};
-use tracker::plots::measurement::{COORDINATES, Measurement};
+use tracker::plots::measurement::Measurement;
 use tracker::plots::radar::Radar;
 
 use crate::multi_alternative::{self, FLIGHTS, Flight};
@@ -57,14 +57,7 @@ impl Scenario {
     }
 
     pub(super) fn radar(&self) -> Radar {
-        let full = self.axes() == 3;
-        let plain = Radar {
-            variance: [1.0; COORDINATES],
-            cell: [1.0; COORDINATES],
-            measured: [true, true, full, full],
-            range_rate_interval_mps: 0.0,
-        };
-        if full { world::radar() } else { plain }
+        if self.axes() == 3 { world::radar() } else { Radar::IN_PLANE }
     }
 
     pub(super) fn run(&self, seed: u64, run: u32) -> Run {

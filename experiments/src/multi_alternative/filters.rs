@@ -5,21 +5,13 @@ use serde_json::Value;
 use tracker::association::one_track::OneTrack;
 use tracker::filter::bank::{AdaptiveBandwidth, MultiAlternative, Rule};
 use tracker::filter::{Filter, TwoPlots};
-use tracker::plots::measurement::{COORDINATES, Measurement};
-use tracker::plots::radar::Radar;
+use tracker::plots::measurement::Measurement;
 
 use super::flights::{GREATEST_MPS2, Motion, STEP_S};
 use crate::{Case, Options};
 
 /// τ of the source, s.
 const TAU_S: f64 = 3.0;
-/// Only to find gates by, which certain plots do not need.
-const RADAR: Radar = Radar {
-    variance: [1.0; COORDINATES],
-    cell: [1.0; COORDINATES],
-    measured: [true, true, false, false],
-    range_rate_interval_mps: 0.0,
-};
 
 /// A form of the single hypothesis (M4).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,7 +114,7 @@ pub(super) fn follow(setting: &Setting, plots: &[Measurement], mut take: impl Fn
     track.start(&TwoPlots { previous: &plots[0], last: &plots[1], step_s: STEP_S });
     for (scan, plot) in plots.iter().enumerate().skip(2) {
         track.predict(STEP_S);
-        track.take(plot, &RADAR);
+        track.take(plot);
         let mean = track.state().mean(0);
         take(scan, &[0, 3, 6].map(|first| [mean[first], mean[first + 1]]));
     }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use tracker::filter::{Evidence, Filter, Group, LANES, Machine, Prior, Row, TwoPlots, Update, expect};
-use tracker::plots::measurement::{COORDINATES, Measurement};
+use tracker::plots::measurement::Measurement;
 use tracker::plots::radar::Radar;
 
 use super::examples::{EXAMPLES, STEP_S};
@@ -50,12 +50,6 @@ pub(super) fn remark(costs: &[Cost]) -> String {
 }
 
 fn time_ns(filter: &dyn Filter, lanes: usize, repetitions: u32) -> f64 {
-    let radar = Radar {
-        variance: [1.0; COORDINATES],
-        cell: [1.0; COORDINATES],
-        measured: [true, true, false, false],
-        range_rate_interval_mps: 0.0,
-    };
     let plot = |scan: u32| {
         let along = 10.0 * STEP_S * f64::from(scan);
         Measurement::in_plane([3000.0 + along, 4000.0 + 0.1 * along], [60.0, 0.01])
@@ -72,7 +66,7 @@ fn time_ns(filter: &dyn Filter, lanes: usize, repetitions: u32) -> f64 {
         let begin = Instant::now();
         for scan in 0..SCANS {
             filter.predict(machine, lanes, &update.posterior, &Row::splat(STEP_S), &mut prediction);
-            expect(machine, lanes, &radar, 3.0, &prediction, &mut expected);
+            expect(machine, lanes, &Radar::IN_PLANE, 3.0, &prediction, &mut expected);
             evidence.clear(layout.len());
             (0..lanes).for_each(|lane| evidence.add(lane, &plot(scan + 2), 0.0, 1.0));
             let prior = Prior { prediction: &prediction, expected: &expected, inflation: 0.0 };

@@ -4,8 +4,7 @@ use serde_json::Value;
 use tracker::association::one_track::OneTrack;
 use tracker::filter::TwoPlots;
 use tracker::filter::turn::{AdaptiveGrid, Carry, Grid, SwitchingGrid, Turn};
-use tracker::plots::measurement::{COORDINATES, Measurement};
-use tracker::plots::radar::Radar;
+use tracker::plots::measurement::Measurement;
 
 use super::examples::{Example, STEP_S, Truth};
 use crate::{Case, Options};
@@ -14,13 +13,6 @@ use crate::{Case, Options};
 const NOISE_MPS2: f64 = 0.1;
 /// Probability of staying in a model over a scan.
 const STAY: f64 = 0.9;
-/// Only to find gates by, which certain plots do not need.
-const RADAR: Radar = Radar {
-    variance: [1.0; COORDINATES],
-    cell: [1.0; COORDINATES],
-    measured: [true, true, false, false],
-    range_rate_interval_mps: 0.0,
-};
 
 /// Which filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -176,7 +168,7 @@ pub(super) fn follow(setting: &Setting, truth: &[Truth], plots: &[Measurement], 
         }
     }
     let filter = setting.filter();
-    let models = filter.grid.len();
+    let models = filter.grid.models();
     let mut track = OneTrack::new(Box::new(filter));
     track.start(&TwoPlots { previous: &plots[0], last: &plots[1], step_s: STEP_S });
     for scan in 2..plots.len() {
@@ -187,7 +179,7 @@ pub(super) fn follow(setting: &Setting, truth: &[Truth], plots: &[Measurement], 
             track.set(&words);
         }
         track.predict(STEP_S);
-        track.take(&plots[scan], &RADAR);
+        track.take(&plots[scan]);
         let state = track.state();
         take(
             scan,

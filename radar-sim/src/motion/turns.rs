@@ -1,5 +1,6 @@
 //! Legs of constant turn rate: ships that turn, aircraft that manoeuvre.
 
+use common::angle;
 use common::truth::MANOEUVRE;
 use nalgebra::{Rotation3, Vector3};
 
@@ -11,6 +12,8 @@ pub struct Turns {
     start: Leg,
     legs: Vec<Leg>,
     end: Leg,
+    /// How far one round of all legs turns, rad, in [−π, π).
+    round_rad: f64,
     repeats: bool,
 }
 
@@ -45,6 +48,7 @@ impl Turns {
     pub fn new(position_m: Vector3<f64>, velocity_mps: Vector3<f64>, legs: &[(f64, f64)], repeats: bool) -> Self {
         let start = Leg { from_s: 0.0, position_m, velocity_mps, rate_rad_per_s: 0.0 };
         let (mut next, mut all) = (start, Vec::with_capacity(legs.len()));
+        let turns_rad: f64 = legs.iter().map(|(duration_s, rate_rad_per_s)| duration_s * rate_rad_per_s).sum();
         for &(duration_s, rate_rad_per_s) in legs {
             let leg = Leg { rate_rad_per_s, ..next };
             let from_s = leg.from_s + duration_s;
@@ -52,7 +56,7 @@ impl Turns {
             all.push(leg);
             next = Leg { from_s, position_m, velocity_mps, rate_rad_per_s: 0.0 };
         }
-        Self { start, legs: all, end: next, repeats }
+        Self { start, legs: all, end: next, round_rad: angle::difference(turns_rad, 0.0), repeats }
     }
 
     /// State `time_s` after the start.
@@ -62,9 +66,9 @@ impl Turns {
         let index = self.legs.partition_point(|leg| leg.from_s <= local_s).saturating_sub(1);
         let leg = if local_s < self.end.from_s { self.legs.get(index).unwrap_or(&self.end) } else { &self.end };
         let (position, velocity) = leg.at(local_s);
-        // One round moves by D and turns by Θ: n of them move by D + R(Θ) D + … = R((n − 1) Θ/2) D sin(n Θ/2)/sin(Θ/2).
-        let total: f64 =
-            self.legs.iter().zip(self.ends_s()).map(|(leg, to_s)| leg.rate_rad_per_s * (to_s - leg.from_s)).sum();
+        // One round moves by D and turns by Θ: n of them move by D + R(Θ) D + … = R((n − 1) Θ/2) D sin(n Θ/2)/sin(Θ/2). Whole circles do
+        // not count, so that the sine is 0 only with Θ.
+        let total = self.round_rad;
         let one = self.end.position_m - self.start.position_m;
         let sine = (0.5 * total).sin();
         let times = if sine.abs() < 1e-9 { rounds } else { (0.5 * rounds * total).sin() / sine };
@@ -80,26 +84,25 @@ impl Turns {
             mode: if rate == 0.0 { unaccelerated_mode(&velocity_mps) } else { MANOEUVRE },
         }
     }
-
-    /// When each leg ends, s.
-    fn ends_s(&self) -> impl Iterator<Item = f64> {
-        self.legs.iter().skip(1).map(|leg| leg.from_s).chain([self.end.from_s])
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     /// Velocity is the derivative of position and acceleration that of velocity, the speed never changes, and nothing jumps, through many rounds.
     #[test]
     fn the_way_is_smooth() {
         let legs = [(10.0, 0.0), (15.0, 0.1), (7.0, -0.05), (3.0, 0.0)];
-        for (repeats, total) in [(false, 1.0), (true, 1.0), (true, 0.0)] {
-            let legs = if total == 0.0 { vec![(6.0, 0.1), (6.0, -0.1)] } else { legs.to_vec() };
-            let turns = Turns::new(Vector3::new(1e3, 2e3, 50.0), Vector3::new(30.0, 40.0, 1.0), &legs, repeats);
+        let no_turn = [(6.0, 0.1), (6.0, -0.1)];
+        let circles = |number: f64| [(5.0, 0.0), (60.0 * number.abs(), number.signum() * TAU / 60.0)];
+        let ways = [&legs[..], &no_turn, &circles(1.0), &circles(-1.0), &circles(2.0)];
+        for (legs, repeats) in ways.into_iter().flat_map(|legs| [(legs, false), (legs, true)]) {
+            let turns = Turns::new(Vector3::new(1e3, 2e3, 50.0), Vector3::new(30.0, 40.0, 1.0), legs, repeats);
             let h = 1e-4;
-            let mut before = turns.at(0.0);
+            let mut before = turns.at(0.033);
             for step in 1..4000 {
                 let t = f64::from(step) * 0.1 + 0.033;
                 let state = turns.at(t);
@@ -107,6 +110,7 @@ mod tests {
                 assert!((slope - state.velocity_mps).norm() < 0.01, "{t}: {slope} {}", state.velocity_mps);
                 assert!((state.velocity_mps.xy().norm() - 50.0).abs() < 1e-9);
                 assert!((state.velocity_mps - before.velocity_mps).norm() < 0.7, "{t}");
+                assert!((state.position_m - before.position_m).norm() < 5.1, "{t}: {}", state.position_m);
                 assert!((state.position_m.z - 50.0 - t).abs() < 1e-6);
                 before = state;
             }

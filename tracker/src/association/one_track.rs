@@ -88,11 +88,11 @@ impl OneTrack {
         self.scan.outcomes[0]
     }
 
-    /// Updates a prediction by a plot that is the track's for certain, with R at the plot.
-    pub fn take(&mut self, plot: &Measurement, radar: &Radar) {
+    /// Updates a prediction by a plot that is the track's for certain, with R at the plot. Nothing is gated, so the radar does not matter.
+    pub fn take(&mut self, plot: &Measurement) {
         let Self { filter, machine, state, group, expected, evidence, scan } = self;
         group.load(0, state);
-        expect(*machine, 1, radar, 1.0, group, expected);
+        expect(*machine, 1, &Radar::IN_PLANE, 1.0, group, expected);
         let at = plot.line_of_sight();
         for expected in &mut *expected {
             expected.place_errors(0, &at);

@@ -10,8 +10,9 @@
 //! gaussian          order of states, packed triangles group             states of up to eight tracks
 //! start             two plots make a state    (T17)   machine           the machine's instructions
 //! propagate         F, G of a component  (T1), (T4)   expect            h(u*), gates       (T5), (T9)
-//! uav, cv, turn, bank  the families                   evidence, absorb  the update   (T8), (T14), (T15)
+//! markov            Π over any time step     (T2)     evidence, absorb  the update   (T8), (T14), (T15)
 //! seam, catalogue   what a family is, and which there are   moments     mean and covariance    (T16)
+//! uav, cv, turn, bank  the families
 //! ```
 //!
 //! Formulas are written once, over vectors of up to eight tracks whose width is the machine's; one or two tracks are computed by the same code
@@ -32,6 +33,7 @@ mod innovation;
 mod lanes;
 mod layout;
 mod machine;
+mod markov;
 mod mixture;
 mod moments;
 mod prior;

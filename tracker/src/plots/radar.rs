@@ -16,6 +16,14 @@ pub struct Radar {
 }
 
 impl Radar {
+    /// Range and azimuth, of unit errors (m, rad): for plots that bring errors of their own.
+    pub const IN_PLANE: Self = Self {
+        variance: [1.0; COORDINATES],
+        cell: [1.0; COORDINATES],
+        measured: [true, true, false, false],
+        range_rate_interval_mps: 0.0,
+    };
+
     /// Number of measured coordinates.
     pub fn dimensions(&self) -> usize {
         self.measured.iter().filter(|measured| **measured).count()

@@ -2,13 +2,12 @@
 
 use common::config::BandwidthConfig;
 use common::tracks::{ESTIMATOR_ADAPTIVE_BANDWIDTH, KIND_MANOEUVRE, Models, STATE};
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
-use super::axis::{Sight, clear, put, start_component};
+use super::axis::{Sight, put, start_component};
+use super::coordinates::{self, ByCoordinate};
 use super::singer::Singer;
-use crate::filter::absorb::{Weights, absorb};
 use crate::filter::evidence::Evidence;
-use crate::filter::expect::Expectation;
 use crate::filter::group::Group;
 use crate::filter::lanes::{Lanes, Row, V};
 use crate::filter::layout::Layout;
@@ -145,20 +144,11 @@ impl Filter for AdaptiveBandwidth {
     }
 
     fn predict(&self, machine: Machine, lanes: usize, posterior: &Group, step_s: &Row, prediction: &mut Group) {
-        machine.arch(lanes).dispatch(Predict { lanes, filter: self, posterior, step_s, prediction });
+        coordinates::predict(self, machine, lanes, posterior, step_s, prediction);
     }
 
     fn update(&self, machine: Machine, lanes: usize, prior: Prior<'_>, evidence: &Evidence, update: &mut Update) {
-        let Update { posterior, weights, densities } = update;
-        absorb(machine, lanes, prior, evidence, densities, weights, posterior);
-        let [expected] = prior.expected else { unreachable!("one component expects one measurement") };
-        let prediction = prior.prediction;
-        let take = Take { lanes, filter: self, expected, evidence, weights, prediction, posterior };
-        machine.arch(lanes).dispatch(take);
-        let sound = posterior.soundness(machine, lanes);
-        for lane in (0..lanes).filter(|&lane| sound.0[lane] == 0.0) {
-            posterior.copy_lane(lane, prediction);
-        }
+        coordinates::update(self, machine, lanes, prior, evidence, update);
     }
 
     fn models(&self, _state: Mixture<'_>) -> Models {
@@ -168,108 +158,71 @@ impl Filter for AdaptiveBandwidth {
     }
 }
 
-struct Predict<'a> {
-    lanes: usize,
-    filter: &'a AdaptiveBandwidth,
-    posterior: &'a Group,
-    step_s: &'a Row,
-    prediction: &'a mut Group,
-}
-
-impl WithSimd for Predict<'_> {
-    type Output = ();
+impl ByCoordinate for AdaptiveBandwidth {
+    fn axes(&self) -> usize {
+        self.axes
+    }
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { filter, posterior, step_s, prediction, .. } = self;
-        let memory = filter.layout.memory_start()..filter.layout.words();
-        prediction.rows_mut()[memory.clone()].copy_from_slice(&posterior.rows()[memory]);
-        for part in 0..Lanes::<S>::parts(self.lanes) {
-            let lanes = Lanes::of(simd, part);
-            let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
-            let step = lanes.get(step_s);
-            let singers = filter.tau_s.map(|tau_s| Singer::new(lanes, step, tau_s));
-            lanes.put(&mut prediction.rows_mut()[0], one);
-            clear(lanes, filter.axes, prediction);
-            for axis in 0..filter.axes {
-                let block = filter.block(axis);
-                let (p, x) = state(lanes, block + NOW, posterior);
-                let spread = |which: usize| {
-                    singers[which].spread(&p, lanes.splat(filter.sigma_mps2[which] * filter.sigma_mps2[which]))
-                };
-                let (narrow, wide) = (spread(0), spread(1));
-                let [x_narrow, x_wide] = singers.map(|singer| singer.advance(x, zero));
-                let is_wide = zero.less(lanes.get(&posterior.rows()[block + IS_WIDE]));
-                let p_now: [V<S>; 6] = std::array::from_fn(|k| is_wide.pick(wide[k], narrow[k]));
-                let x_now: [V<S>; 3] = std::array::from_fn(|k| is_wide.pick(x_wide[k], x_narrow[k]));
-                put_state(lanes, block + NOW, &p_now, &x_now, prediction);
-                put_state(lanes, block + WIDE, &wide, &x_wide, prediction);
-                // A manoeuvre may begin: the association expects what is wide.
-                put(lanes, axis, &x_now, &wide, prediction);
-            }
+    fn predict_lanes<S: Simd>(&self, lanes: Lanes<S>, step: V<S>, posterior: &Group, prediction: &mut Group) {
+        let zero = lanes.splat(0.0);
+        let singers = self.tau_s.map(|tau_s| Singer::new(lanes, step, tau_s));
+        for axis in 0..self.axes {
+            let block = self.block(axis);
+            let (p, x) = state(lanes, block + NOW, posterior);
+            let spread =
+                |which: usize| singers[which].spread(&p, lanes.splat(self.sigma_mps2[which] * self.sigma_mps2[which]));
+            let (narrow, wide) = (spread(0), spread(1));
+            let [x_narrow, x_wide] = singers.map(|singer| singer.advance(x, zero));
+            let is_wide = zero.less(lanes.get(&posterior.rows()[block + IS_WIDE]));
+            let p_now: [V<S>; 6] = std::array::from_fn(|k| is_wide.pick(wide[k], narrow[k]));
+            let x_now: [V<S>; 3] = std::array::from_fn(|k| is_wide.pick(x_wide[k], x_narrow[k]));
+            put_state(lanes, block + NOW, &p_now, &x_now, prediction);
+            put_state(lanes, block + WIDE, &wide, &x_wide, prediction);
+            // A manoeuvre may begin: the association expects what is wide.
+            put(lanes, axis, &x_now, &wide, prediction);
         }
     }
-}
-
-struct Take<'a> {
-    lanes: usize,
-    filter: &'a AdaptiveBandwidth,
-    expected: &'a Expectation,
-    evidence: &'a Evidence,
-    weights: &'a Weights,
-    prediction: &'a Group,
-    posterior: &'a mut Group,
-}
-
-impl WithSimd for Take<'_> {
-    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { filter, expected, evidence, weights, prediction, posterior, .. } = self;
-        for part in 0..Lanes::<S>::parts(self.lanes) {
-            let lanes = Lanes::of(simd, part);
-            let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
-            clear(lanes, filter.axes, posterior);
-            for axis in 0..filter.axes {
-                let block = filter.block(axis);
-                let word = |k: usize| lanes.get(&prediction.rows()[block + k]);
-                let sight = Sight { lanes, axis, expected, evidence, weights };
-                let shown = zero.less(sight.shown());
-                let (p_now, x_now) = state(lanes, block + NOW, prediction);
-                let (p_wide, x_wide) = state(lanes, block + WIDE, prediction);
+    fn update_axis<S: Simd>(&self, sight: Sight<'_, S>, prediction: &Group, posterior: &mut Group) {
+        let (lanes, axis) = (sight.lanes, sight.axis);
+        let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
+        let block = self.block(axis);
+        let word = |k: usize| lanes.get(&prediction.rows()[block + k]);
+        let shown = zero.less(sight.shown());
+        let (p_now, x_now) = state(lanes, block + NOW, prediction);
+        let (p_wide, x_wide) = state(lanes, block + WIDE, prediction);
 
-                let square = sight.square(&p_now, x_now);
-                let mut sum = zero;
-                for back in 0..filter.recent {
-                    let newer = if back == 0 { square } else { word(RECENT + back - 1) };
-                    let kept = shown.pick(newer, word(RECENT + back));
-                    lanes.put(&mut posterior.rows_mut()[block + RECENT + back], kept);
-                    sum += kept;
-                }
-                let was_wide = word(IS_WIDE);
-                let exceeds = lanes.splat(filter.threshold * filter.recent as f64).less(sum).pick(one, zero);
-                let begins = shown.pick(exceeds * (one - was_wide), zero);
-                let begins_now = zero.less(begins);
-                let p: [V<S>; 6] = std::array::from_fn(|k| begins_now.pick(p_wide[k], p_now[k]));
-                let x: [V<S>; 3] = std::array::from_fn(|k| begins_now.pick(x_wide[k], x_now[k]));
-                let p_after = sight.correct(&p, x);
-                let (x_after, _) = sight.update(&p, x, x[0]);
-
-                let is_wide = zero.less(was_wide + begins);
-                let since = begins_now.pick(one, word(SINCE) + one);
-                let calm_limit = (lanes.splat(filter.calm * filter.calm) * p_after[0]).rounded();
-                let is_calm = (x_after[0] * x_after[0]).rounded().less(calm_limit);
-                let counts = lanes.splat(filter.hold as f64).less(since).and(is_calm);
-                let calm = counts.pick(begins_now.pick(zero, word(CALM)) + one, zero);
-                let stays = calm.less(lanes.splat(filter.calm_scans as f64));
-                let wide_after = is_wide.and(stays).pick(one, zero);
-                for (k, value) in [(IS_WIDE, wide_after), (SINCE, since), (CALM, calm)] {
-                    lanes.put(&mut posterior.rows_mut()[block + k], shown.pick(value, word(k)));
-                }
-                put_state(lanes, block + NOW, &p_after, &x_after, posterior);
-                put(lanes, axis, &x_after, &p_after, posterior);
-            }
+        let square = sight.square(&p_now, x_now);
+        let mut sum = zero;
+        for back in 0..self.recent {
+            let newer = if back == 0 { square } else { word(RECENT + back - 1) };
+            let kept = shown.pick(newer, word(RECENT + back));
+            lanes.put(&mut posterior.rows_mut()[block + RECENT + back], kept);
+            sum += kept;
         }
+        let was_wide = word(IS_WIDE);
+        let exceeds = lanes.splat(self.threshold * self.recent as f64).less(sum).pick(one, zero);
+        let begins = shown.pick(exceeds * (one - was_wide), zero);
+        let begins_now = zero.less(begins);
+        let p: [V<S>; 6] = std::array::from_fn(|k| begins_now.pick(p_wide[k], p_now[k]));
+        let x: [V<S>; 3] = std::array::from_fn(|k| begins_now.pick(x_wide[k], x_now[k]));
+        let p_after = sight.correct(&p, x);
+        let (x_after, _) = sight.update(&p, x, x[0]);
+
+        let is_wide = zero.less(was_wide + begins);
+        let since = begins_now.pick(one, word(SINCE) + one);
+        let calm_limit = (lanes.splat(self.calm * self.calm) * p_after[0]).rounded();
+        let is_calm = (x_after[0] * x_after[0]).rounded().less(calm_limit);
+        let counts = lanes.splat(self.hold as f64).less(since).and(is_calm);
+        let calm = counts.pick(begins_now.pick(zero, word(CALM)) + one, zero);
+        let stays = calm.less(lanes.splat(self.calm_scans as f64));
+        let wide_after = is_wide.and(stays).pick(one, zero);
+        for (k, value) in [(IS_WIDE, wide_after), (SINCE, since), (CALM, calm)] {
+            lanes.put(&mut posterior.rows_mut()[block + k], shown.pick(value, word(k)));
+        }
+        put_state(lanes, block + NOW, &p_after, &x_after, posterior);
+        put(lanes, axis, &x_after, &p_after, posterior);
     }
 }

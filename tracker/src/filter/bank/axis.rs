@@ -94,7 +94,7 @@ impl<S: Simd> Sight<'_, S> {
         for m in 0..self.len() {
             let mark = self.mark(m);
             let inverse = (p[5] + mark.variance).inverse();
-            none -= mark.weight * self.lanes.splat(1.0);
+            none = none - mark.weight;
             gain -= mark.weight * inverse;
             average += mark.weight * mark.innovation(mean) * inverse;
         }

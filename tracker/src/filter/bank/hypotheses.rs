@@ -1,16 +1,17 @@
 //! Several hypotheses on the mean acceleration: the multi-alternative filter (M1)-(M3).
 
+use std::ops::AddAssign;
+
 use common::config::{BankConfig, OutputRule};
 use common::tracks::{ESTIMATOR_MULTI_ALTERNATIVE, KIND_MEAN_ACCELERATION, MODELS, Models, STATE};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::axis::{Sight, clear, put, start_component};
+use super::axis::{PACKED, Sight, put, start_component};
 use super::block::Block;
+use super::coordinates::{self, ByCoordinate};
 use super::rule::{MOST, Rule};
 use super::singer::Singer;
-use crate::filter::absorb::{Weights, absorb};
 use crate::filter::evidence::Evidence;
-use crate::filter::expect::Expectation;
 use crate::filter::gaussian::at;
 use crate::filter::group::Group;
 use crate::filter::lanes::{Lanes, Row, V};
@@ -94,13 +95,9 @@ impl MultiAlternative {
 
     /// Shares of the hypotheses of a state on a coordinate.
     pub fn shares_of(&self, words: &[f64], axis: usize) -> [f64; MOST] {
-        let (block, mut scores) = (self.block(axis), [0.0; MOST]);
+        let mut scores = [0.0; MOST];
         for (i, score) in scores[..self.means.len()].iter_mut().enumerate() {
-            *score = if self.rule.is_sliding() {
-                (0..self.window).map(|back| words[block.recent(i, back)]).sum()
-            } else {
-                words[block.total(i)]
-            };
+            *score = self.score(self.block(axis), i, |k| words[k]);
         }
         Arch::Scalar.dispatch(Shares { rule: self.rule, hypotheses: self.means.len(), scores })
     }
@@ -108,18 +105,24 @@ impl MultiAlternative {
     /// Shares of the hypotheses on a coordinate, of some lanes.
     #[inline(always)]
     fn shares<S: Simd>(&self, lanes: Lanes<S>, axis: usize, group: &Group) -> [V<S>; MOST] {
-        let (block, q) = (self.block(axis), self.means.len());
         let mut scores = [lanes.splat(0.0); MOST];
-        for i in 0..q {
-            if self.rule.is_sliding() {
-                for back in 0..self.window {
-                    scores[i] += lanes.get(&group.rows()[block.recent(i, back)]);
-                }
-            } else {
-                scores[i] = lanes.get(&group.rows()[block.total(i)]);
-            }
+        for (i, score) in scores[..self.means.len()].iter_mut().enumerate() {
+            *score = self.score(self.block(axis), i, |k| lanes.get(&group.rows()[k]));
         }
-        self.rule.shares(lanes, &scores[..q])
+        self.rule.shares(lanes, &scores[..self.means.len()])
+    }
+
+    /// L_i(n) or L_i(∞) of a hypothesis, whichever the rule judges by (M3).
+    #[inline(always)]
+    fn score<T: AddAssign>(&self, block: Block, i: usize, word: impl Fn(usize) -> T) -> T {
+        if !self.rule.is_sliding() {
+            return word(block.total(i));
+        }
+        let mut sum = word(block.recent(i, 0));
+        for back in 1..self.window {
+            sum += word(block.recent(i, back));
+        }
+        sum
     }
 
     /// Writes the coordinate of all hypotheses together into the component, their spread as of `spread` shares.
@@ -167,7 +170,7 @@ pub(in crate::filter) fn layout(hypotheses: usize, window: usize) -> Layout {
 }
 
 #[inline(always)]
-pub(super) fn packed<S: Simd>(lanes: Lanes<S>, block: Block, group: &Group) -> [V<S>; 6] {
+fn packed<S: Simd>(lanes: Lanes<S>, block: Block, group: &Group) -> [V<S>; 6] {
     std::array::from_fn(|k| lanes.get(&group.rows()[block.covariance(k)]))
 }
 
@@ -208,20 +211,11 @@ impl Filter for MultiAlternative {
     }
 
     fn predict(&self, machine: Machine, lanes: usize, posterior: &Group, step_s: &Row, prediction: &mut Group) {
-        machine.arch(lanes).dispatch(Predict { lanes, filter: self, posterior, step_s, prediction });
+        coordinates::predict(self, machine, lanes, posterior, step_s, prediction);
     }
 
     fn update(&self, machine: Machine, lanes: usize, prior: Prior<'_>, evidence: &Evidence, update: &mut Update) {
-        let Update { posterior, weights, densities } = update;
-        absorb(machine, lanes, prior, evidence, densities, weights, posterior);
-        let [expected] = prior.expected else { unreachable!("one component expects one measurement") };
-        let prediction = prior.prediction;
-        let take = Take { lanes, filter: self, expected, evidence, weights, prediction, posterior };
-        machine.arch(lanes).dispatch(take);
-        let sound = posterior.soundness(machine, lanes);
-        for lane in (0..lanes).filter(|&lane| sound.0[lane] == 0.0) {
-            posterior.copy_lane(lane, prediction);
-        }
+        coordinates::update(self, machine, lanes, prior, evidence, update);
     }
 
     /// Hypotheses on the coordinate that accelerates most.
@@ -260,115 +254,76 @@ impl WithSimd for Shares {
     }
 }
 
-struct Predict<'a> {
-    lanes: usize,
-    filter: &'a MultiAlternative,
-    posterior: &'a Group,
-    step_s: &'a Row,
-    prediction: &'a mut Group,
-}
-
-impl WithSimd for Predict<'_> {
-    type Output = ();
+impl ByCoordinate for MultiAlternative {
+    fn axes(&self) -> usize {
+        self.axes
+    }
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { filter, posterior, step_s, prediction, .. } = self;
-        let q = filter.means.len();
-        let memory = filter.layout.memory_start()..filter.layout.words();
-        prediction.rows_mut()[memory.clone()].copy_from_slice(&posterior.rows()[memory]);
-        for part in 0..Lanes::<S>::parts(self.lanes) {
-            let lanes = Lanes::of(simd, part);
-            let singer = Singer::new(lanes, lanes.get(step_s), filter.tau_s);
-            let variance = lanes.splat(filter.sigma_mps2 * filter.sigma_mps2);
-            lanes.put(&mut prediction.rows_mut()[0], lanes.splat(1.0));
-            clear(lanes, filter.axes, prediction);
-            for axis in 0..filter.axes {
-                let block = filter.block(axis);
-                let p = singer.spread(&packed(lanes, block, posterior), variance);
-                for k in 0..6 {
-                    lanes.put(&mut prediction.rows_mut()[block.covariance(k)], p[k]);
-                }
-                for i in 0..q {
-                    let before = hypothesis(lanes, block, i, posterior);
-                    let after = singer.advance(before, lanes.splat(filter.means[i]));
-                    for k in 0..3 {
-                        lanes.put(&mut prediction.rows_mut()[block.hypothesis(i) + k], after[k]);
-                    }
-                }
-                let shares = filter.shares(lanes, axis, prediction);
-                let (keep, alike) = (lanes.splat(1.0 - CHANGE), lanes.splat(CHANGE / q as f64));
-                let spread = shares.map(|share| keep * share + alike);
-                filter.report(lanes, axis, &shares, &spread, prediction);
+    fn predict_lanes<S: Simd>(&self, lanes: Lanes<S>, step: V<S>, posterior: &Group, prediction: &mut Group) {
+        let q = self.means.len();
+        let singer = Singer::new(lanes, step, self.tau_s);
+        let variance = lanes.splat(self.sigma_mps2 * self.sigma_mps2);
+        for axis in 0..self.axes {
+            let block = self.block(axis);
+            let p = singer.spread(&packed(lanes, block, posterior), variance);
+            for k in 0..6 {
+                lanes.put(&mut prediction.rows_mut()[block.covariance(k)], p[k]);
             }
+            for i in 0..q {
+                let before = hypothesis(lanes, block, i, posterior);
+                let after = singer.advance(before, lanes.splat(self.means[i]));
+                for k in 0..3 {
+                    lanes.put(&mut prediction.rows_mut()[block.hypothesis(i) + k], after[k]);
+                }
+            }
+            let shares = self.shares(lanes, axis, prediction);
+            let (keep, alike) = (lanes.splat(1.0 - CHANGE), lanes.splat(CHANGE / q as f64));
+            let spread = shares.map(|share| keep * share + alike);
+            self.report(lanes, axis, &shares, &spread, prediction);
         }
     }
-}
-
-struct Take<'a> {
-    lanes: usize,
-    filter: &'a MultiAlternative,
-    expected: &'a Expectation,
-    evidence: &'a Evidence,
-    weights: &'a Weights,
-    prediction: &'a Group,
-    posterior: &'a mut Group,
-}
-
-impl WithSimd for Take<'_> {
-    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { filter, expected, evidence, weights, prediction, posterior, .. } = self;
-        let q = filter.means.len();
-        for part in 0..Lanes::<S>::parts(self.lanes) {
-            let lanes = Lanes::of(simd, part);
-            clear(lanes, filter.axes, posterior);
-            for axis in 0..filter.axes {
-                let block = filter.block(axis);
-                let sight = Sight { lanes, axis, expected, evidence, weights };
-                let p = packed(lanes, block, prediction);
-                let component = prediction.component::<STATE, { super::axis::PACKED }>(0);
-                let average = [6, 3, 0].map(|first| lanes.get(&component.mean[first + axis]));
-                let after = sight.correct(&p, average);
-                for k in 0..6 {
-                    lanes.put(&mut posterior.rows_mut()[block.covariance(k)], after[k]);
-                }
-                let mut scores = [lanes.splat(0.0); MOST];
-                let mut largest = lanes.splat(f64::MIN);
-                for i in 0..q {
-                    let before = hypothesis(lanes, block, i, prediction);
-                    let (state, score) = sight.update(&p, before, before[0] + lanes.splat(filter.means[i]));
-                    for k in 0..3 {
-                        lanes.put(&mut posterior.rows_mut()[block.hypothesis(i) + k], state[k]);
-                    }
-                    scores[i] = score;
-                    largest = largest.max(score);
-                }
-                let shown = lanes.splat(0.0).less(sight.shown());
-                let mut most = lanes.splat(f64::MIN);
-                for i in 0..q {
-                    scores[i] = scores[i] - largest;
-                    most = most.max(lanes.get(&prediction.rows()[block.total(i)]) + scores[i]);
-                }
-                for i in 0..q {
-                    let total = lanes.get(&prediction.rows()[block.total(i)]);
-                    let row = &mut posterior.rows_mut()[block.total(i)];
-                    lanes.put(row, shown.pick(total + scores[i] - most, total));
-                    for back in 0..filter.window {
-                        let own = lanes.get(&prediction.rows()[block.recent(i, back)]);
-                        let newer = if back == 0 {
-                            scores[i]
-                        } else {
-                            lanes.get(&prediction.rows()[block.recent(i, back - 1)])
-                        };
-                        lanes.put(&mut posterior.rows_mut()[block.recent(i, back)], shown.pick(newer, own));
-                    }
-                }
-                let shares = filter.shares(lanes, axis, posterior);
-                filter.report(lanes, axis, &shares, &shares, posterior);
+    fn update_axis<S: Simd>(&self, sight: Sight<'_, S>, prediction: &Group, posterior: &mut Group) {
+        let (lanes, axis, q) = (sight.lanes, sight.axis, self.means.len());
+        let block = self.block(axis);
+        let p = packed(lanes, block, prediction);
+        let component = prediction.component::<STATE, PACKED>(0);
+        let average = [6, 3, 0].map(|first| lanes.get(&component.mean[first + axis]));
+        let after = sight.correct(&p, average);
+        for k in 0..6 {
+            lanes.put(&mut posterior.rows_mut()[block.covariance(k)], after[k]);
+        }
+        let mut scores = [lanes.splat(0.0); MOST];
+        let mut largest = lanes.splat(f64::MIN);
+        for i in 0..q {
+            let before = hypothesis(lanes, block, i, prediction);
+            let (state, score) = sight.update(&p, before, before[0] + lanes.splat(self.means[i]));
+            for k in 0..3 {
+                lanes.put(&mut posterior.rows_mut()[block.hypothesis(i) + k], state[k]);
+            }
+            scores[i] = score;
+            largest = largest.max(score);
+        }
+        let shown = lanes.splat(0.0).less(sight.shown());
+        let mut most = lanes.splat(f64::MIN);
+        for i in 0..q {
+            scores[i] = scores[i] - largest;
+            most = most.max(lanes.get(&prediction.rows()[block.total(i)]) + scores[i]);
+        }
+        for i in 0..q {
+            let total = lanes.get(&prediction.rows()[block.total(i)]);
+            let row = &mut posterior.rows_mut()[block.total(i)];
+            lanes.put(row, shown.pick(total + scores[i] - most, total));
+            for back in 0..self.window {
+                let own = lanes.get(&prediction.rows()[block.recent(i, back)]);
+                let newer =
+                    if back == 0 { scores[i] } else { lanes.get(&prediction.rows()[block.recent(i, back - 1)]) };
+                lanes.put(&mut posterior.rows_mut()[block.recent(i, back)], shown.pick(newer, own));
             }
         }
+        let shares = self.shares(lanes, axis, posterior);
+        self.report(lanes, axis, &shares, &shares, posterior);
     }
 }

@@ -9,6 +9,7 @@
 mod adaptive;
 mod axis;
 mod block;
+mod coordinates;
 mod hypotheses;
 mod rule;
 mod singer;

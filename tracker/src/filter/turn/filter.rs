@@ -17,6 +17,7 @@ use crate::filter::group::Group;
 use crate::filter::lanes::Row;
 use crate::filter::layout::Layout;
 use crate::filter::machine::Machine;
+use crate::filter::markov;
 use crate::filter::mixture::Mixture;
 use crate::filter::prior::Prior;
 use crate::filter::propagate::Noise;
@@ -38,7 +39,7 @@ pub struct Turn {
     pub axes: usize,
     /// Speed up to which targets start tracks, m/s.
     pub start_speed_mps: f64,
-    /// ln κ of the Markov chain over 1 s.
+    /// ln κ of the Markov chain, 1/s.
     pub(super) ln_kappa: f64,
     pub(super) layout: Layout,
 }
@@ -46,11 +47,8 @@ pub struct Turn {
 impl Turn {
     /// With models of a grid, of which a target keeps one over `over_s` with probability `stay`.
     pub fn new(grid: Grid, noise_mps2: f64, axes: usize, start_speed_mps: f64, stay: f64, over_s: f64) -> Self {
-        let models = grid.len() as f64;
-        // A single model is never left.
-        let kappa = if models > 1.0 { (models * stay - 1.0) / (models - 1.0) } else { 1.0 };
-        let layout = layout(grid.len());
-        Self { grid, noise_mps2, axes, start_speed_mps, ln_kappa: kappa.ln() / over_s, layout }
+        let (ln_kappa, layout) = (markov::ln_kappa(grid.models(), stay, over_s), layout(grid.models()));
+        Self { grid, noise_mps2, axes, start_speed_mps, ln_kappa, layout }
     }
 
     /// The family that the configuration names, in `axes` dimensions.

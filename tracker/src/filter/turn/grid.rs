@@ -41,16 +41,11 @@ pub(super) struct Next {
 
 impl Grid {
     /// Number of models.
-    pub fn len(&self) -> usize {
+    pub fn models(&self) -> usize {
         match self {
             Self::Known(rates) => rates.len(),
             Self::Adaptive(_) | Self::Switching(_) => 3,
         }
-    }
-
-    /// Never true.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Rates of a new track.

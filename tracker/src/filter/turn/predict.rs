@@ -1,9 +1,4 @@
-//! Mixing and prediction of a group of turn models: (T2)-(T4) with F of [`super::advance`], as (V1) has it.
-//!
-//! The Markov chain keeps its model with probability `stay` over 1 s and else goes to any other alike; of n models:
-//! ```text
-//! Π(T) = Π(1 s)^T:  eigenvalues 1 and κ = (n stay − 1)/(n − 1), so  Π_ii = (1 + (n − 1) κ^T)/n
-//! ```
+//! Mixing and prediction of a group of turn models: (T2)-(T4) with F of [`super::advance`], as (V1) has it, Π as [`markov`] has it.
 
 use common::tracks::MODELS;
 use pulp::{Simd, WithSimd};
@@ -15,6 +10,7 @@ use crate::filter::gaussian::at;
 use crate::filter::group::{Component, Group};
 use crate::filter::lanes::{LANES, Lanes, Row, V};
 use crate::filter::machine::Machine;
+use crate::filter::markov::{self, Transition};
 
 /// u*, P*, W* of a group, and the rates that it was predicted with.
 pub(super) fn predict(
@@ -70,27 +66,21 @@ impl WithSimd for Predict<'_> {
         let (models, memory) = (filter.layout.len(), filter.layout.memory_start());
         for part in 0..Lanes::<S>::parts(self.lanes) {
             let lanes = Lanes::of(simd, part);
-            let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
+            let zero = lanes.splat(0.0);
             let (step, moved) = (lanes.get(step_s), lanes.get(moved));
-            let power = (step * lanes.splat(filter.ln_kappa)).rounded().exp();
-            let per_model = lanes.splat(1.0 / models as f64);
-            let same = ((power * lanes.splat(models as f64 - 1.0) + one) * per_model).rounded();
-            let other = ((one - power) * per_model).rounded();
+            let Transition { same, other } = Transition::new(lanes, models, filter.ln_kappa, step);
+            let mut w = [zero; MODELS];
+            for i in 0..models {
+                w[i] = lanes.get(&posterior.weights()[i]);
+            }
             let mut all = zero;
             for j in 0..models {
-                let mut shares = [zero; MODELS];
-                let mut total = zero;
-                for (i, share) in shares[..models].iter_mut().enumerate() {
+                let (mut column, mut shares) = ([other; MODELS], [zero; MODELS]);
+                for i in 0..models {
                     let away = (moved + lanes.splat(j as f64 - i as f64)).abs();
-                    let w = lanes.get(&posterior.rows()[i]);
-                    *share = (lanes.splat(0.5).less(away).pick(other, same) * w).rounded();
-                    total += *share; // (T2)
+                    column[i] = lanes.splat(0.5).less(away).pick(other, same);
                 }
-                let (reachable, inverse) = (zero.less(total), total.inverse());
-                for (i, share) in shares[..models].iter_mut().enumerate() {
-                    // A model that cannot be reached keeps the mixture as its state, at no weight.
-                    *share = reachable.pick(*share * inverse, lanes.get(&posterior.rows()[i]));
-                }
+                let total = markov::mix(&column[..models], &w[..models], &mut shares[..models]); // (T2)
                 lanes.put(&mut prediction.rows_mut()[j], total);
                 all += total;
                 let advance = Advance::new(lanes, lanes.get(&prediction.rows()[memory + j]), step);

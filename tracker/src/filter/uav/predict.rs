@@ -7,19 +7,16 @@
 //! ū   = s₁ û₁ + s₂₃ û₂₃                                                                       (T3)
 //! P̄   = Σ_i s_i P̂_i + (s₂ s₃/s₂₃) (û₂ − û₃)(û₂ − û₃)ᵀ + s₁ s₂₃ (û₁ − û₂₃)(û₁ − û₂₃)ᵀ            (T4)
 //! ```
-//! No difference of weights is taken, so rounding cannot make P̄ indefinite. The Markov chain stays in its mode with probability `stay` over
-//! 1 s and else goes to either other mode alike:
-//! ```text
-//! Π(T) = Π(1 s)^T:  eigenvalues 1 and κ = (3 stay − 1)/2, so  Π_ii = 1/3 + 2/3 κ^T
-//! ```
+//! No difference of weights is taken, so rounding cannot make P̄ indefinite. Π is that of [`markov`].
 
 use pulp::{Simd, WithSimd};
 
 use super::modes::{CONSTANT_VELOCITY, DIMENSIONS, HOVER, LAYOUT, MANOEUVRE, MODES, Uav};
 use crate::filter::gaussian::{at, packed};
 use crate::filter::group::{Component, Group};
-use crate::filter::lanes::{Lanes, Row, V, dot};
+use crate::filter::lanes::{Lanes, Row, V};
 use crate::filter::machine::Machine;
+use crate::filter::markov::{self, Transition};
 use crate::filter::propagate::{Before, propagate};
 
 /// u*, P*, W* of a group.
@@ -48,30 +45,20 @@ impl WithSimd for Predict<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { filter, posterior, step_s, prediction, .. } = self;
-        let kappa = 0.5 * (3.0 * filter.stay - 1.0);
+        let ln_kappa = markov::ln_kappa(MODES, filter.stay, 1.0);
         for part in 0..Lanes::<S>::parts(self.lanes) {
             let lanes = Lanes::of(simd, part);
             let t = lanes.get(step_s);
-            let power = (t * lanes.splat(kappa.ln())).rounded().exp();
-            let third = lanes.splat(1.0 / 3.0);
-            let same = ((power + power + lanes.splat(1.0)) * third).rounded();
-            let other = ((lanes.splat(1.0) - power) * third).rounded();
+            let Transition { same, other } = Transition::new(lanes, MODES, ln_kappa, t);
             let mut w = [lanes.splat(0.0); MODES];
             for i in 0..MODES {
                 w[i] = lanes.get(&posterior.weights()[i]);
             }
             let mut shares = [[lanes.splat(0.0); MODES]; MODES];
             for j in 0..MODES {
-                let mut chain = [other; MODES];
-                chain[j] = same;
-                let total = dot(&chain, &w); // (T2)
-                lanes.put(&mut prediction.rows_mut()[j], total);
-                let inverse = total.inverse();
-                let reachable = lanes.splat(0.0).less(total);
-                for i in 0..MODES {
-                    // A mode that cannot be reached keeps the mixture as its state, at no weight.
-                    shares[j][i] = reachable.pick(chain[i] * w[i] * inverse, w[i]);
-                }
+                let mut column = [other; MODES];
+                column[j] = same;
+                lanes.put(&mut prediction.rows_mut()[j], markov::mix(&column, &w, &mut shares[j])); // (T2)
             }
             let modes = Modes::of(posterior);
             mix::<S, { DIMENSIONS[HOVER] }, 6>(lanes, modes, HOVER, shares[HOVER], filter, t, prediction);
