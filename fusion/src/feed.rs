@@ -87,7 +87,8 @@ impl Feed {
         // After the tracks, so that the truth that they are scored by is there.
         while let Some(message) = self.truth.receive()? {
             self.truth_ns = self.truth_ns.max(message.header().time_ns);
-            for target in message.elements().iter().filter(|_| self.is_simulated) {
+            let targets = if self.is_simulated { message.elements() } else { &[] };
+            for target in targets {
                 let moved = self.in_centre(target);
                 self.targets.entry(target.target_id).or_default().push(moved);
             }

@@ -15,13 +15,13 @@ pub mod measurement;
 pub mod motion;
 mod outgoing;
 pub mod outliers;
+mod pacing;
 pub mod process;
 pub mod registration;
 pub mod rules;
 mod settings;
 pub mod simulation;
 mod system;
-mod turn;
 
 pub use engine::Fusion;
 pub use settings::{Counts, Settings, Site};

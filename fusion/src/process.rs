@@ -28,9 +28,9 @@ use crate::engine::Fusion;
 use crate::feed::Feed;
 use crate::motion::Motion;
 use crate::outgoing::{Centre, track};
+use crate::pacing::Pacing;
 use crate::registration::Bias;
 use crate::settings::{Settings, Site};
-use crate::turn::Turn;
 
 /// Name of the process.
 pub const NAME: &str = FUSION;
@@ -55,25 +55,25 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     }
     let wakes: Vec<_> = wakes.iter().collect();
     let mut reporter = HealthReporter::new(&station, &chain, stage.session, refused)?;
-    let mut turn = Turn::new(&chain);
+    let mut pacing = Pacing::new(&chain);
 
     attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
-        let limit_ns = turn.limit_ns(stage.next_ns());
+        let limit_ns = pacing.limit_ns(stage.next_ns());
         for (site, feed) in feeds.iter_mut().enumerate() {
             feed.take_waiting(site, limit_ns, &mut stage.fusion)?;
         }
-        turn.stopping = stop_requested();
-        turn.find_out_of_step(&mut feeds, &others);
+        pacing.stopping = stop_requested();
+        pacing.find_out_of_step(&mut feeds, &others);
         if stage.next.is_none() {
-            stage.begin(&feeds, &turn);
+            stage.begin(&feeds, &pacing);
         }
         let mut worked = false;
-        while let Some(now_ns) = stage.next_ns().filter(|&now_ns| turn.is_due(now_ns, &feeds)) {
+        while let Some(now_ns) = stage.next_ns().filter(|&now_ns| pacing.is_due(now_ns, &feeds)) {
             stage.cycle(now_ns, 0, &mut feeds)?;
             stage.skip_days(&feeds);
             worked = true;
         }
-        let ended = feeds.iter().all(|feed| turn.has_ended(feed));
+        let ended = feeds.iter().all(|feed| pacing.has_ended(feed));
         if ended {
             stage.cycle(stage.next_ns().unwrap_or(0), END_OF_STREAM, &mut feeds)?;
         }
@@ -197,11 +197,11 @@ impl Stage {
     }
 
     /// Sets the time of the first cycle once all sites have been heard that are waited for.
-    fn begin(&mut self, feeds: &[Feed], turn: &Turn) {
+    fn begin(&mut self, feeds: &[Feed], pacing: &Pacing) {
         let first_ns = feeds.iter().filter(|feed| !feed.is_out_of_step).filter_map(Feed::first_ns).min();
-        let all = feeds.iter().all(|feed| feed.first_ns().is_some() || turn.has_ended(feed));
+        let all = feeds.iter().all(|feed| feed.first_ns().is_some() || pacing.has_ended(feed));
         if let Some(first_ns) = first_ns
-            && (all || turn.is_overdue(first_ns, feeds))
+            && (all || pacing.is_overdue(first_ns, feeds))
         {
             let start_ns = self.start_ns.unwrap_or(first_ns / self.cycle_ns * self.cycle_ns);
             self.start_ns = Some(start_ns);

@@ -11,7 +11,7 @@ use crate::settings::Settings;
 const CYCLES_AHEAD: f64 = 2.0;
 
 /// What a cycle waits for.
-pub(crate) struct Turn {
+pub(crate) struct Pacing {
     real_time: bool,
     /// How far a site may be behind the first one before nobody waits for it, measurement time; only in real time.
     wait_ns: u64,
@@ -23,7 +23,7 @@ pub(crate) struct Turn {
     pub(crate) stopping: bool,
 }
 
-impl Turn {
+impl Pacing {
     pub(crate) fn new(chain: &ChainConfig) -> Self {
         Self {
             real_time: chain.run.mode == Mode::RealTime,
@@ -40,14 +40,14 @@ impl Turn {
 
     /// Measurement time up to which tracks are taken.
     pub(crate) fn limit_ns(&self, next_ns: Option<u64>) -> u64 {
-        if self.real_time { u64::MAX } else { next_ns.map_or(0, |next_ns| next_ns + self.ahead_ns) }
+        if self.real_time { u64::MAX } else { next_ns.map_or(0, |next_ns| next_ns.saturating_add(self.ahead_ns)) }
     }
 
     /// Whether nobody waits for the sites that are not as far as `now_ns`, since the first one is much farther.
     pub(crate) fn is_overdue(&self, now_ns: u64, feeds: &[Feed]) -> bool {
         let in_step = feeds.iter().filter(|feed| !feed.is_out_of_step);
         let first_ns = in_step.filter_map(Feed::time_ns).max();
-        self.real_time && first_ns.is_some_and(|first_ns| first_ns >= now_ns + self.wait_ns)
+        self.real_time && first_ns.is_some_and(|first_ns| first_ns >= now_ns.saturating_add(self.wait_ns))
     }
 
     /// Whether the cycle that ends at `now_ns` can be worked: all that are waited for have told everything, and somebody has.
