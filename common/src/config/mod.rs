@@ -8,6 +8,7 @@
 
 mod bank;
 mod budget;
+mod display;
 mod explain;
 mod extractor;
 mod fusion;
@@ -30,6 +31,7 @@ mod turn;
 
 pub use bank::{BandwidthConfig, BankConfig, OutputRule};
 pub use budget::{Budget, BudgetConfig};
+pub use display::DisplayConfig;
 pub use explain::{explained, reference};
 pub use extractor::ExtractorConfig;
 pub use fusion::FusionConfig;
@@ -90,6 +92,8 @@ pub struct ChainConfig {
     pub soak: SoakConfig,
     /// `[metrics]`: counters for Prometheus.
     pub metrics: MetricsConfig,
+    /// `[display]`: the picture in a browser.
+    pub display: DisplayConfig,
 }
 
 impl ChainConfig {
@@ -111,7 +115,8 @@ impl ChainConfig {
         self.watchdog.check()?;
         self.realtime.check()?;
         self.soak.check()?;
-        self.metrics.check()
+        self.metrics.check()?;
+        self.display.check()
     }
 
     /// The configuration as TOML, complete: what `radar-chain config` prints.
