@@ -74,3 +74,7 @@ uninstall:
 # Python layouts of the messages, from the Rust types
 layouts:
     WRITE_LAYOUTS=1 cargo test --test python_layout
+
+# The description of what the display answers, from the types
+openapi:
+    WRITE_OPENAPI=1 cargo test -p display --test openapi

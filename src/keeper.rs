@@ -15,8 +15,8 @@ use common::process::{Resume, StageArgs, resume_file, stop_requested};
 use crate::claim::Claim;
 use crate::stages::name::KEEPER;
 use crate::stages::resume::{TRACKS_PER_START, next_scan, run_id};
-use crate::watch::board::SiteBoard;
 use crate::watch::endpoint::{Endpoint, Look};
+use common::status::SiteBoard;
 
 /// Asked to stop, it waits so long for the stages to go first.
 const LAST: Duration = Duration::from_secs(20);

@@ -12,13 +12,12 @@ use common::topology::is_observer;
 
 use crate::checks::machine::allow_files;
 use crate::claim::Claim;
-use crate::stages::name::LAUNCHER;
 use crate::stages::orphans::{Orphans, configuration};
 use crate::stages::resume::run_id;
 use crate::stages::supervisor::{End, Supervisor};
-use crate::watch::board::Board;
 use crate::watch::endpoint::{Endpoint, Look};
 use crate::watch::screen::Screen;
+use common::status::{Board, LAUNCHER};
 
 /// A hook that is called during a run.
 pub(crate) trait Companion {

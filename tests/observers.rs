@@ -7,18 +7,8 @@ use std::time::Instant;
 
 use common::ipc::{Station, Subscriber};
 use common::messages::{Dwells, Message, Plots, Tracks, Truth};
-use common::recording::container;
 use common::report::Report;
-use recorder::diff::first_difference;
-use support::{Bench, DEADLINE, signal, small_config, text_of};
-
-fn difference(a: &Bench, b: &Bench) -> Option<String> {
-    let messages = |bench: &Bench| {
-        let file = std::fs::File::open(bench.recordings().remove(0)).expect("a recording");
-        container::Reader::new(std::io::BufReader::new(file))
-    };
-    first_difference(messages(a), messages(b)).expect("whole recordings")
-}
+use support::{Bench, DEADLINE, difference, signal, small_config, text_of};
 
 /// A subscriber that takes one message and then stands still.
 struct StandingStill<M: Message> {

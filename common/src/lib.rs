@@ -32,6 +32,7 @@ pub mod random;
 pub mod realtime;
 pub mod recording;
 pub mod report;
+pub mod status;
 mod stop;
 pub mod system_tracks;
 pub mod time;

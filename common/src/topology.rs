@@ -132,10 +132,10 @@ pub const STAGES: [Stage; 8] = [
         name: DISPLAY,
         role: Role::Observer(Observer::Display),
         inputs: &[
-            never(Topic::Tracks),
-            never(Topic::Plots),
-            never(Topic::Dwells),
             never(Topic::Truth),
+            never(Topic::Dwells),
+            never(Topic::Plots),
+            never(Topic::Tracks),
             never(Topic::SystemTracks),
             never(Topic::HealthReports),
         ],
@@ -231,6 +231,11 @@ fn reached(table: &'static [Stage], from: Topic) -> Vec<&'static Stage> {
 /// Whether a stage of this name runs at a site with this configuration.
 pub fn runs(chain: &ChainConfig, name: &str) -> bool {
     stages(chain).iter().any(|stage| stage.name == name)
+}
+
+/// Name of a process for people and in reports: `SITE/PROCESS`, or the process alone.
+pub fn label(site: Option<&str>, process: &str) -> String {
+    site.map_or_else(|| process.to_string(), |site| format!("{site}/{process}"))
 }
 
 /// The topic that drives a site: what its source publishes, and the stages after it wait for.

@@ -1,5 +1,15 @@
-//! The picture of a running chain.
+//! The picture of a chain in a browser, and the same over HTTP and WebSocket for programs.
 //!
-//! The process is an observer: the chain never waits for it, and it may come and go at any time.
+//! ```text
+//! messages ──▶ picture: what can be drawn ──▶ wire: as it is sent ──▶ serve: to whom
+//! ```
+//!
+//! Messages come from shared memory ([`process`], an observer: the chain never waits for it, and it may come and go at any
+//! time) or from a recording. `docs/display.md` describes what programs can read.
 
+pub mod feed;
+mod page;
+pub mod picture;
 pub mod process;
+pub mod serve;
+pub mod wire;

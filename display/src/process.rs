@@ -1,42 +1,57 @@
-//! The process `display`: an observer of all sites.
+//! The process `display`: an observer of all sites that serves their picture.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
-use common::config::{ChainConfig, Sites};
-use common::ipc::{Flow, IpcError, Station, Subscriber, Turn, attend};
-use common::message::END_OF_STREAM;
-use common::messages::Tracks;
-use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
+use common::health::{Reject, Rejected};
+use common::ipc::{Domain, Flow, Station, attend};
+use common::process::{HealthReporter, StageArgs, new_session, say, stop_requested, tell};
 use common::realtime;
-use common::topic::Topic;
 use common::topology::DISPLAY;
+
+use crate::feed::Feed;
+use crate::serve::{Access, Served, bind, serve};
 
 /// Name of the process.
 pub const NAME: &str = DISPLAY;
+/// File in the folder of the domain that says where the picture is.
+pub const ADDRESS_FILE: &str = "picture";
 
 /// Runs the process until the tracks of all sites have ended.
 ///
 /// # Errors
-/// Configuration or shared memory.
+/// Configuration, the address, or shared memory.
 pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let sites = args.load_sites()?;
     let chain = sites.first();
     let refused = realtime::apply(chain.realtime.of(NAME));
-    let first = Station::enter(NAME, chain)?;
-    let mut of_sites = site_feeds(&first, &sites)?;
-    let wakes = of_sites.iter().map(|site| site.station.wake(Topic::Tracks)).collect::<Result<Vec<_>, _>>()?;
+    let access = Access::new(&chain.display.token_file)?;
+    let listener = bind(chain.display.address())?;
+    let address = listener.local_addr()?;
+    let station = Station::enter(NAME, chain)?;
+    let mut feed = Feed::open(&station, &sites)?;
+    let served = Arc::new(Served::live(&sites, access));
+    serve(listener, Arc::clone(&served))?;
+    let _note = AddressNote::write(&Domain::root(&chain.ipc), &format!("http://{address}\n"));
+    tell(&format!("picture: http://{address}"));
+    if !address.ip().is_loopback() {
+        say(&format!("display.listen = {address}: whoever reaches this address and has the token sees the picture"));
+    }
+
+    let wakes = feed.wakes()?;
     let wakes: Vec<_> = wakes.iter().collect();
-    let mut reporter = HealthReporter::new(&first, chain, new_session(), refused)?;
+    let mut reporter = HealthReporter::new(&station, chain, new_session(), refused)?;
     attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
-        let turn = Turn::begin();
-        for site in &mut of_sites {
-            site.take_waiting(&turn)?;
-        }
-        let ended = stop_requested() || of_sites.iter().all(|site| site.ended);
-        let flow = if ended { Flow::End } else { turn.flow() };
+        let flow = feed.take_waiting(&served)?;
+        let flow = if stop_requested() || feed.has_ended() { Flow::End } else { flow };
         if flow == Flow::End || reporter.is_due() {
-            reporter.health.scan = of_sites.iter().map(|site| site.scan).max().unwrap_or(0);
-            reporter.health.set_intake(Topic::Tracks, of_sites[0].tracks.intake());
+            feed.describe(&mut reporter.health);
+            let counts = served.counts();
+            let mut rejected = Rejected::default();
+            rejected.count_many(Reject::Full, counts.dropped + counts.refused);
+            reporter.health.set_rejected(&rejected);
+            reporter.health.messages_out = counts.sent;
             reporter.health.ended = u32::from(flow == Flow::End);
             reporter.publish()?;
         }
@@ -45,30 +60,20 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What comes from a site.
-struct SiteFeed {
-    station: Station,
-    tracks: Subscriber<Tracks>,
-    scan: u32,
-    ended: bool,
+/// The file that says where the picture is, while it is there.
+struct AddressNote(PathBuf);
+
+impl AddressNote {
+    /// Writes it. Where that fails, the picture is there all the same.
+    fn write(folder: &Path, text: &str) -> Self {
+        let file = folder.join(ADDRESS_FILE);
+        let _ = std::fs::write(&file, text);
+        Self(file)
+    }
 }
 
-fn site_feeds(first: &Station, sites: &Sites) -> Result<Vec<SiteFeed>, IpcError> {
-    let feed = |site: &ChainConfig| {
-        let station = first.at(site);
-        let tracks = station.subscriber::<Tracks>()?;
-        Ok(SiteFeed { station, tracks, scan: 0, ended: false })
-    };
-    sites.all().iter().map(feed).collect()
-}
-
-impl SiteFeed {
-    fn take_waiting(&mut self, turn: &Turn) -> Result<(), IpcError> {
-        while !turn.is_over() {
-            let Some(message) = self.tracks.receive()? else { break };
-            self.scan = message.header().scan;
-            self.ended = message.header().has(END_OF_STREAM);
-        }
-        Ok(())
+impl Drop for AddressNote {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
     }
 }

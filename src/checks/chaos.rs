@@ -20,8 +20,8 @@ use crate::claim::Claim;
 use crate::run::{Companion, launch};
 use crate::stages::name::StageId;
 use crate::stages::supervisor::Supervisor;
-use crate::watch::board::Board;
 use crate::watch::screen::Screen;
+use common::status::Board;
 
 /// Scans within which a stage has to be back.
 const BACK_WITHIN: f64 = 2.0;
@@ -119,7 +119,7 @@ impl Companion for Monkey {
         match &self.state {
             State::Done => {}
             State::Waiting { stage, pid, killed } => {
-                let back = board.of(stage).is_some_and(|health| health.pid != *pid && works(stage, health));
+                let back = stage.health(board).is_some_and(|health| health.pid != *pid && works(stage, health));
                 if back {
                     self.returns.push(Return { stage: stage.clone(), after_s: killed.elapsed().as_secs_f64() });
                     self.state = State::Resting { until: None };
@@ -132,7 +132,7 @@ impl Companion for Monkey {
             State::Resting { until: None } => {
                 let running: Vec<(&StageId, u32)> = supervisor.running().collect();
                 let at_work = |&(stage, pid): &(&StageId, u32)| {
-                    board.of(stage).is_some_and(|health| health.pid == pid && works(stage, health))
+                    stage.health(board).is_some_and(|health| health.pid == pid && works(stage, health))
                 };
                 if running.len() == supervisor.stages() && running.iter().all(at_work) {
                     // At least one scan at the end, so that all is seen to work on.

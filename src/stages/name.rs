@@ -1,10 +1,10 @@
 //! Names of the processes of a chain.
 
 use common::config::Sites;
+use common::health::Health;
+use common::status::Board;
 use common::topology::{self, Stage};
 
-/// Name of the launcher among the processes.
-pub(crate) const LAUNCHER: &str = "radar-chain";
 /// Name of the process that keeps a chain for systemd.
 pub(crate) const KEEPER: &str = "keeper";
 /// Name of a process that looks at the status of a chain.
@@ -43,15 +43,15 @@ impl StageId {
         self.stage.name
     }
 
+    /// Its latest report.
+    pub(crate) fn health<'a>(&self, board: &'a Board) -> Option<&'a Health> {
+        board.at(self.site).of(self.process())
+    }
+
     /// Name for people and in reports: `SITE/PROCESS` where there are several sites.
     pub(crate) fn label(&self) -> String {
-        label(self.site_name.as_deref(), self.process())
+        topology::label(self.site_name.as_deref(), self.process())
     }
-}
-
-/// `SITE/PROCESS`, or the process alone.
-pub(crate) fn label(site: Option<&str>, process: &str) -> String {
-    site.map_or_else(|| process.to_string(), |site| format!("{site}/{process}"))
 }
 
 impl std::fmt::Display for StageId {

@@ -8,10 +8,10 @@ use anyhow::Context;
 use common::config::Sites;
 use common::ipc::{Domain, Inhabitant};
 use common::process::BadInput;
-use common::topology::Stage;
+use common::topology::{Stage, label};
 
 use super::child::Process;
-use super::name::{KEEPER, STATUS, StageId, label};
+use super::name::{KEEPER, STATUS, StageId};
 
 /// Passing visitors of a domain, such as `radar-chain status`, have left after this time.
 const VISIT: Duration = Duration::from_secs(3);

@@ -4,9 +4,8 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use common::config::ChainConfig;
-use common::topology::RECORDER;
-
-use crate::watch::board::SiteBoard;
+use common::status::SiteBoard;
+use common::topology::{RECORDER, is_observer};
 
 /// Tracks of a tracker that was started again are numbered from so many further up.
 pub(crate) const TRACKS_PER_START: u64 = 1_000_000;
@@ -29,8 +28,8 @@ pub(crate) fn note_tracker_start(folder: &Path, label: &str) -> u64 {
 
 /// The scan after the last one that any process of the site has reported.
 pub(crate) fn next_scan(board: &SiteBoard, chain: &ChainConfig) -> u32 {
-    // The recorder counts scans that are over.
-    let stages = board.all().filter(|&(name, ..)| name != RECORDER);
+    // The recorder counts scans that are over, and what observers send is not of the chain.
+    let stages = board.all().filter(|&(name, ..)| name != RECORDER && !is_observer(name));
     let at_work = stages.filter(|(_, health, _)| health.messages_out > 0 || health.scan > 0);
     let seen = at_work.map(|(_, health, _)| health.scan).max();
     seen.map_or(chain.run.first_scan, |scan| scan + 1)

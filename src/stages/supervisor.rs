@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use common::config::{ChainConfig, Mode, Sites};
 use common::process::{EXIT_BAD_USAGE, EXIT_FAILED};
+use common::status::Board;
 use common::time::monotonic_ns;
 use common::topology::Role;
 use rustix::process::Signal;
@@ -13,7 +14,6 @@ use super::name::StageId;
 use super::orphans::{Orphans, find_started};
 use super::resume::{TRACKS_PER_START, next_scan, note_tracker_start};
 use super::stage::{Event, Stage};
-use crate::watch::board::Board;
 use crate::watch::screen::Screen;
 
 /// The processes of one chain.
@@ -164,7 +164,7 @@ impl Supervisor {
         let id = self.stages[index].id.clone();
         let supervision = self.chain().supervision.clone();
         let (ending, is_observer) = (self.ending_of(&id), id.stage.is_observer());
-        let said_end = board.of(&id).is_some_and(|health| health.ended == 1);
+        let said_end = id.health(board).is_some_and(|health| health.ended == 1);
         // A site whose plots come from a program of the user's ends with its first stage.
         let has_source = self.stages.iter().any(|stage| stage.id.site == id.site && stage.id.stage.is_source());
         let sets_pace = id.stage.is_source() || !has_source && id.stage.role == Role::Processor;
@@ -286,11 +286,12 @@ impl Supervisor {
         let now_ns = monotonic_ns();
         let silent = |stage: &Stage| {
             let (pid, since) = stage.running()?;
-            let heard = board.of(&stage.id).filter(|health| health.pid == pid);
+            let heard = stage.id.health(board).filter(|health| health.pid == pid);
             Some(heard.map_or(since, |health| Duration::from_nanos(now_ns.saturating_sub(health.heartbeat_ns))))
         };
         // A stage that is not running, or has not said anything yet, keeps those upstream waiting as well.
-        let heard = |stage: &Stage| board.of(&stage.id).map(|health| health.pid) == stage.running().map(|(pid, _)| pid);
+        let heard =
+            |stage: &Stage| stage.id.health(board).map(|health| health.pid) == stage.running().map(|(pid, _)| pid);
         let waits = |stage: &Stage| silent(stage).is_none_or(|silent| silent > SUSPICION) || !heard(stage);
         let real_time = self.chain().run.mode == Mode::RealTime;
         let keeps_waiting = |consumer: &Stage, stage: &Stage| {
@@ -337,7 +338,7 @@ impl Supervisor {
         let config = &self.sites.all()[stage.id.site];
         let mut overrides = Vec::new();
         if stage.id.stage.is_source() {
-            overrides.push(format!("run.first_scan={}", next_scan(board.site_of(&stage.id), config)));
+            overrides.push(format!("run.first_scan={}", next_scan(board.at(stage.id.site), config)));
         }
         if [tracker::process::NAME, fusion::process::NAME].contains(&stage.id.process()) {
             let folder = self.file.parent().unwrap_or(Path::new("."));

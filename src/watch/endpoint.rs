@@ -6,9 +6,9 @@ use common::config::Sites;
 use common::ipc::{Domain, Flow, IpcError, Keeper, Station, Subscriber, Wake, attend};
 use common::messages::HealthReports;
 use common::process::{HealthReporter, new_session};
+use common::status::Board;
 use common::topic::Topic;
 
-use super::board::Board;
 use super::metrics::Metrics;
 
 /// The files of the domain are marked as used this often.

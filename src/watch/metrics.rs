@@ -13,11 +13,9 @@ use common::config::MetricsConfig;
 use common::health::{Condition, Health, LatencySummary, RealtimeSetting};
 use common::latency::LATENCY_NAMES;
 use common::process::BadInput;
+use common::status::{Board, LAUNCHER, SiteBoard};
 use common::time::monotonic_ns;
 use common::units::NS_PER_S;
-
-use super::board::{Board, SiteBoard};
-use crate::stages::name::LAUNCHER;
 
 /// A slower scraper is disconnected.
 const TIMEOUT: Duration = Duration::from_secs(2);

@@ -6,11 +6,10 @@ use std::time::{Duration, Instant};
 
 use common::config::{ChainConfig, Sites, Speed};
 use common::latency::LATENCY_NAMES;
+use common::status::{Board, SiteBoard, data_inputs};
 use crossterm::cursor::MoveToPreviousLine;
 use crossterm::terminal::{Clear, ClearType, size};
 use crossterm::{QueueableCommand, execute};
-
-use super::board::{Board, SiteBoard, data_inputs};
 
 /// Between two pictures in a terminal.
 const REDRAW: Duration = Duration::from_millis(250);

@@ -7,7 +7,9 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
+use common::recording::container;
 use common::report::Report;
+use recorder::diff::first_difference;
 use serde_json::Value;
 
 /// Longest time that anything is waited for: a guard against hanging, not a measurement.
@@ -197,6 +199,15 @@ impl Drop for Running {
             let _ = child.kill();
         }
     }
+}
+
+/// The first difference between the recordings of two runs, but for stamps and sessions.
+pub(crate) fn difference(a: &Bench, b: &Bench) -> Option<String> {
+    let messages = |bench: &Bench| {
+        let file = std::fs::File::open(bench.recordings().remove(0)).expect("a recording");
+        container::Reader::new(std::io::BufReader::new(file))
+    };
+    first_difference(messages(a), messages(b)).expect("whole recordings")
 }
 
 /// Sends a signal by name.

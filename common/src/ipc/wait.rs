@@ -51,6 +51,8 @@ impl Wake {
 pub enum Flow {
     /// Wait until something arrives.
     Wait,
+    /// The same, but come back after this time at the latest.
+    Soon(Duration),
     /// More is waiting: come back at once.
     Again,
     /// The process has done its work.
@@ -214,14 +216,15 @@ fn sleep_until_woken(wakes: &[&Wake], watchdog: &Watchdog, step: &mut dyn FnMut(
         guards.push(guard.map_err(|cause| failed(wake.topic.name(), &cause))?);
     }
     loop {
-        match step() {
+        let longest = match step() {
             Flow::End => return Ok(()),
             Flow::Again => {
                 watchdog.input();
                 continue;
             }
-            Flow::Wait => {}
-        }
+            Flow::Wait => TICK,
+            Flow::Soon(longest) => longest.min(TICK),
+        };
         // Its result only tells signals apart, which `step` sees by the stop flag.
         let _ = wait_set.wait_and_process_once_with_timeout(
             |event| {
@@ -232,7 +235,7 @@ fn sleep_until_woken(wakes: &[&Wake], watchdog: &Watchdog, step: &mut dyn FnMut(
                 }
                 CallbackProgression::Continue
             },
-            TICK,
+            longest,
         );
         for wake in wakes {
             wake.drain();
@@ -246,7 +249,7 @@ fn poll(wakes: &[&Wake], watchdog: &Watchdog, step: &mut dyn FnMut() -> Flow) {
         match step() {
             Flow::End => return,
             Flow::Again => watchdog.input(),
-            Flow::Wait => {}
+            Flow::Wait | Flow::Soon(_) => {}
         }
         looks += 1;
         if looks == LOOKS {

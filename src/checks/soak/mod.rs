@@ -23,11 +23,11 @@ use common::latency::{LATENCY_NAMES, Latency};
 use common::latency_log::{self, Interval};
 use common::process::{BadInput, EXIT_CHECK_BROKEN, print, signals};
 use common::report::{Blocks, ChainReport, Percentiles, Report, Soak};
+use common::status::Board;
 
 use crate::claim::Claim;
 use crate::run::{Companion, launch};
 use crate::stages::supervisor::Supervisor;
-use crate::watch::board::Board;
 use crate::watch::screen::Screen;
 use reference::Reference;
 use resources::{Resources, Series};

@@ -6,10 +6,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context;
+use common::status::Board;
 use common::units::MIB;
 use serde::{Deserialize, Serialize};
-
-use crate::watch::board::Board;
 
 /// Rows that memory growth can be told from: at least one in each tenth of the run.
 const ROWS: usize = 10;

@@ -1,0 +1,7 @@
+//! What the processes of a chain say of themselves, for all who show it: launcher, `status`, metrics, display.
+
+mod board;
+mod json;
+
+pub use board::{Board, LAUNCHER, SiteBoard, data_inputs};
+pub use json::to_json;
