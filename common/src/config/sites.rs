@@ -23,7 +23,8 @@ use crate::latency_log;
 use super::load::{ConfigError, apply, read, read_text, require};
 
 /// Tables that belong to a site; all others are common to the chain.
-const TABLES_OF_SITE: [&str; 7] = ["radar", "extractor", "tracker", "plot_source", "fusion", "replay", "budget"];
+const TABLES_OF_SITE: [&str; 8] =
+    ["radar", "extractor", "tracker", "plot_source", "fusion", "link", "replay", "budget"];
 /// The other keys of a site.
 const KEYS_OF_SITE: [&str; 4] = ["name", "sac", "sic", "position"];
 
