@@ -6,6 +6,7 @@
 //!                                       other sites ──tracks─▶ fusion ───┘
 //! plot-source, replay, a program of the user's: any of these topics ──────┘
 //! any of these topics but dwells ──▶ link-out ──another host──▶ link-in ──▶ the same topics
+//! display: all topics, never waited for
 //! ```
 //!
 //! A publisher waits for the consumers that the table requires. Every other subscriber is an observer: its full queue
@@ -37,6 +38,24 @@ pub enum Role {
     Processor,
     /// Takes everything and reports. One for all sites.
     Recorder,
+    /// Looks on: the run neither waits for it nor depends on it. One for all sites, where the configuration enables it.
+    Observer(Observer),
+}
+
+/// An observer that the launcher starts with the chain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Observer {
+    /// `[display]`: the picture in a browser.
+    Display,
+}
+
+impl Observer {
+    /// Whether the chain has it.
+    fn is_enabled(self, chain: &ChainConfig) -> bool {
+        match self {
+            Self::Display => chain.display.enabled,
+        }
+    }
 }
 
 /// A topic that a stage reads.
@@ -69,8 +88,12 @@ const fn always(topic: Topic) -> Input {
     Input { topic, required: Required::Always }
 }
 
+const fn never(topic: Topic) -> Input {
+    Input { topic, required: Required::Never }
+}
+
 /// All stages, upstream first.
-pub const STAGES: [Stage; 9] = [
+pub const STAGES: [Stage; 10] = [
     Stage {
         name: "radar-sim",
         role: Role::Source(Source::RadarSim),
@@ -120,7 +143,20 @@ pub const STAGES: [Stage; 9] = [
             always(Topic::Plots),
             always(Topic::Tracks),
             always(Topic::SystemTracks),
-            Input { topic: Topic::HealthReports, required: Required::Never },
+            never(Topic::HealthReports),
+        ],
+        outputs: &[],
+    },
+    Stage {
+        name: DISPLAY,
+        role: Role::Observer(Observer::Display),
+        inputs: &[
+            never(Topic::Tracks),
+            never(Topic::Plots),
+            never(Topic::Dwells),
+            never(Topic::Truth),
+            never(Topic::SystemTracks),
+            never(Topic::HealthReports),
         ],
         outputs: &[],
     },
@@ -134,6 +170,8 @@ pub const LINK_OUT: &str = "link-out";
 pub const LINK_IN: &str = "link-in";
 /// Name of the recorder.
 pub const RECORDER: &str = "recorder";
+/// Name of the picture in a browser.
+pub const DISPLAY: &str = "display";
 
 impl Stage {
     /// The stage of this name.
@@ -148,7 +186,12 @@ impl Stage {
 
     /// Whether there is one for all sites.
     pub fn is_of_chain(&self) -> bool {
-        self.role == Role::Recorder
+        self.role == Role::Recorder || self.is_observer()
+    }
+
+    /// Whether the run neither waits for it nor depends on it.
+    pub fn is_observer(&self) -> bool {
+        matches!(self.role, Role::Observer(_))
     }
 
     /// Whether what it reads comes from other sites than its own.
@@ -178,14 +221,24 @@ impl Required {
     }
 }
 
-/// The stages of a site with this configuration, upstream first; the recorder, which serves all sites, is the last.
+/// The stages of a site with this configuration, upstream first; those that serve all sites are the last: the recorder, and
+/// after it the observers.
 pub fn stages(chain: &ChainConfig) -> Vec<&'static Stage> {
     let source = chain.run.source;
     let mut stages: Vec<&Stage> = STAGES.iter().filter(|stage| stage.role == Role::Source(source)).collect();
     let sends = !chain.link.send.is_empty();
     stages.extend(reached(&STAGES, driving(chain)).into_iter().filter(|stage| sends || stage.name != LINK_OUT));
     stages.extend(STAGES.iter().filter(|stage| stage.role == Role::Recorder));
+    stages.extend(STAGES.iter().filter(|stage| match stage.role {
+        Role::Observer(observer) => observer.is_enabled(chain),
+        _ => false,
+    }));
     stages
+}
+
+/// Whether a process of this name is an observer of the table: what it loses and its restarts are none of the chain.
+pub fn is_observer(name: &str) -> bool {
+    Stage::from_name(name).is_some_and(Stage::is_observer)
 }
 
 /// The processors that a topic sets to work, itself or by the results of others of them.
@@ -243,6 +296,7 @@ mod tests {
 
     fn names(change: impl FnOnce(&mut ChainConfig)) -> Vec<&'static str> {
         let mut chain = ChainConfig::default();
+        chain.display.enabled = false;
         change(&mut chain);
         stages(&chain).into_iter().map(|stage| stage.name).collect()
     }
@@ -298,6 +352,17 @@ mod tests {
         assert_eq!(required_consumers(Topic::Tracks, &chain), bits(&["recorder"]));
         chain.recorder.dwells = true;
         assert_eq!(required_consumers(Topic::Dwells, &chain), bits(&["plot-extractor", "recorder"]));
+    }
+
+    #[test]
+    fn observers_come_and_go_with_the_configuration_and_nobody_waits_for_them() {
+        let chain = ChainConfig::default();
+        let with_display = names(|chain| chain.display.enabled = true);
+        assert_eq!(with_display, ["radar-sim", "plot-extractor", "tracker", "recorder", "display"]);
+        for stage in STAGES.iter().filter(|stage| stage.is_observer()) {
+            assert!(stage.is_of_chain() && is_observer(stage.name));
+            assert!(Topic::ALL.iter().all(|&topic| !stage.requires(topic, &chain)), "{}", stage.name);
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@
 
 mod bank;
 mod budget;
+mod display;
 mod explain;
 mod extractor;
 mod fusion;
@@ -31,6 +32,7 @@ mod turn;
 
 pub use bank::{BandwidthConfig, BankConfig, OutputRule};
 pub use budget::{Budget, BudgetConfig};
+pub use display::DisplayConfig;
 pub use explain::{explained, reference};
 pub use extractor::ExtractorConfig;
 pub use fusion::FusionConfig;
@@ -94,6 +96,8 @@ pub struct ChainConfig {
     pub soak: SoakConfig,
     /// `[metrics]`: counters for Prometheus.
     pub metrics: MetricsConfig,
+    /// `[display]`: the picture in a browser.
+    pub display: DisplayConfig,
 }
 
 impl ChainConfig {
@@ -119,7 +123,8 @@ impl ChainConfig {
         self.watchdog.check()?;
         self.realtime.check()?;
         self.soak.check()?;
-        self.metrics.check()
+        self.metrics.check()?;
+        self.display.check()
     }
 
     /// The configuration as TOML, complete: what `radar-chain config` prints.
