@@ -1,0 +1,57 @@
+// The log of events, and what of it is said aloud.
+
+import { byId, element, setText } from "./element.js";
+import { clock } from "./format.js";
+
+const MOST = 500;
+/** Between two things said to a screen reader, ms: news, not a flood. */
+const NEWS_MS = 4000;
+const WORDS = { confirmed: "confirmed", ended: "ended", restart: "restart", over_budget: "over budget", warning: "warning", command: "command" };
+
+export class Events {
+  /** @param {(event: object) => void} onChoose */
+  constructor(onChoose) {
+    this.onChoose = onChoose;
+    this.list = byId("events");
+    this.news = byId("news");
+    this.clear();
+  }
+
+  clear() {
+    this.all = [];
+    this.last = -1;
+    this.said_ms = -Infinity;
+    this.unsaid = [];
+    this.list.replaceChildren();
+  }
+
+  add(event) {
+    if (event.seq <= this.last) return;
+    this.last = event.seq;
+    this.all.push(event);
+    this.list.prepend(this.#row(event));
+    if (this.all.length > MOST) {
+      this.all.shift();
+      this.list.lastChild.remove();
+    }
+    this.unsaid.push(event);
+  }
+
+  /** Says what is new, the last of several. */
+  say(now_ms) {
+    if (this.unsaid.length === 0 || now_ms - this.said_ms < NEWS_MS) return;
+    const { length } = this.unsaid;
+    const last = this.unsaid.at(-1);
+    setText(this.news, length > 1 ? `${last.text}, and ${length - 1} more events` : last.text);
+    this.unsaid = [];
+    this.said_ms = now_ms;
+  }
+
+  #row(event) {
+    const kind = element("span", { class: "kind", "data-kind": event.kind }, WORDS[event.kind] ?? event.kind);
+    const parts = [element("time", {}, clock(event.time_s, 1)), kind];
+    if (event.track === undefined || event.track === null) parts.push(element("span", {}, event.text));
+    else parts.push(element("button", { type: "button", class: "plain", onclick: () => this.onChoose(event) }, event.text));
+    return element("li", {}, ...parts);
+  }
+}

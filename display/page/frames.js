@@ -1,0 +1,28 @@
+// Frames that were drawn, and how many a second.
+
+const WINDOW_MS = 3000;
+
+export class Frames {
+  constructor() {
+    this.drawn = 0;
+    this.called = 0;
+    this.from_ms = NaN;
+    this.last = { drawn_per_s: NaN, called_per_s: NaN };
+  }
+
+  /** One animation frame, drawn or found unchanged. */
+  note(now_ms, drawn) {
+    if (Number.isNaN(this.from_ms)) this.from_ms = now_ms;
+    this.called += 1;
+    if (drawn) this.drawn += 1;
+    const ms = now_ms - this.from_ms;
+    if (ms < WINDOW_MS) return;
+    this.last = { drawn_per_s: (1000 * this.drawn) / ms, called_per_s: (1000 * this.called) / ms };
+    this.drawn = this.called = 0;
+    this.from_ms = now_ms;
+  }
+
+  summary() {
+    return this.last;
+  }
+}

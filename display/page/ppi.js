@@ -1,0 +1,195 @@
+// The picture itself: what is drawn in which order, and when it has to be drawn again.
+
+import { DotProgram } from "./dots.js";
+import { Heights } from "./heights.js";
+import { MarkProgram } from "./marks.js";
+import { fillBeam, fillScale } from "./scale.js";
+import { StrokeProgram } from "./strokes.js";
+import { Symbols } from "./symbols.js";
+import { VideoProgram } from "./video.js";
+import { Writing } from "./writing.js";
+
+/** The beam alone is drawn so often, ms; messages and the hand are followed at once. */
+const BEAM_MS = 30;
+/** Text follows messages so often, ms. */
+const WRITING_MS = 90;
+/** More device pixels than this to one of CSS cost time and show nothing. */
+const MOST_RATIO = 2;
+
+export class Ppi {
+  /**
+   * @param {object} parts elements: stage, ground, writing, plan, heights
+   * @param {object} scene picture, view, colours, layers, selection: what is drawn
+   */
+  constructor(parts, scene) {
+    this.parts = parts;
+    this.scene = scene;
+    scene.heights = new Heights();
+    this.writing = new Writing(parts.writing);
+    this.drawn = { versions: "", beam_ms: -Infinity, writing_ms: -Infinity, writing: "" };
+    this.calm = matchMedia("(prefers-reduced-motion: reduce)");
+    parts.ground.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault();
+      this.gl = null;
+    });
+    parts.ground.addEventListener("webglcontextrestored", () => this.#start());
+    this.#start();
+    new ResizeObserver(() => this.#measure()).observe(parts.stage);
+    this.#measure();
+  }
+
+  /** Whether the browser can draw the picture at all. */
+  get works() {
+    return Boolean(this.gl);
+  }
+
+  #start() {
+    const gl = this.parts.ground.getContext("webgl2", { antialias: false, alpha: false, depth: false, powerPreference: "high-performance" });
+    this.gl = gl;
+    if (!gl) return;
+    const { picture } = this.scene;
+    this.video = new VideoProgram(gl);
+    this.strokes = new StrokeProgram(gl);
+    this.marks = new MarkProgram(gl);
+    this.dots = new DotProgram(gl);
+    this.plots = this.dots.of_ring(picture.plots);
+    this.trail = this.dots.of_ring(picture.trail);
+    this.scale = this.strokes.batch();
+    this.beam = this.strokes.batch();
+    this.symbols = new Symbols(this.strokes, this.marks);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.enable(gl.SCISSOR_TEST);
+    this.drawn.versions = "";
+  }
+
+  addVideo(message) {
+    const { picture, layers } = this.scene;
+    if (this.gl && layers.video) this.video.add(message, message.time_s - picture.epoch_s);
+  }
+
+  /** Forgets what was received. */
+  clear() {
+    this.video?.clear();
+  }
+
+  #measure() {
+    const { stage, ground, plan, heights } = this.parts;
+    const ratio = Math.min(MOST_RATIO, devicePixelRatio || 1);
+    const whole = stage.getBoundingClientRect();
+    const of = (element) => {
+      const { left, top, width, height } = element.getBoundingClientRect();
+      return { left: left - whole.left, top: top - whole.top, width, height };
+    };
+    this.ratio = ratio;
+    this.whole = whole;
+    this.plan = of(plan);
+    this.below = of(heights);
+    ground.width = Math.round(whole.width * ratio);
+    ground.height = Math.round(whole.height * ratio);
+    this.writing.resize(whole.width, whole.height, ratio);
+    this.scene.view.resize(this.plan.width, this.plan.height);
+    this.drawn.versions = "";
+    this.drawn.writing = "";
+  }
+
+  /** Draws if anything has changed, and says whether it has. */
+  frame(now_ms) {
+    const { scene, drawn, gl } = this;
+    if (!gl || this.plan.width < 2) return false;
+    const { picture, view, selection, settings } = scene;
+    const still = `${view.version}/${selection.version}/${settings.version}`;
+    const versions = `${still}/${picture.version}`;
+    const beams = !this.calm.matches && now_ms - drawn.beam_ms >= BEAM_MS && this.#turning(now_ms);
+    if (versions === drawn.versions && !beams) return false;
+    if (versions !== drawn.versions) this.#fill(still);
+    drawn.versions = versions;
+    drawn.beam_ms = now_ms;
+    this.#draw(now_ms);
+    if (drawn.writing !== versions && (drawn.still !== still || now_ms - drawn.writing_ms > WRITING_MS)) {
+      this.writing.draw(scene, this.plan, this.below);
+      Object.assign(drawn, { writing: versions, writing_ms: now_ms, still });
+    }
+    return true;
+  }
+
+  #turning(now_ms) {
+    for (const { beam } of this.scene.sites) if (beam.progress(now_ms) < 1) return true;
+    return false;
+  }
+
+  #fill(still) {
+    const { scene } = this;
+    const { picture, view, colours, selection, layers } = scene;
+    scene.sites = [...picture.sites.values()];
+    scene.main = (picture.sites.get(selection.track?.site) ?? scene.sites[0])?.of;
+    if (this.filled !== `${still}/${scene.main?.name}`) {
+      this.filled = `${still}/${scene.main?.name}`;
+      if (layers.rings) fillScale(this.scale, scene.sites, scene.main, view, colours);
+      else this.scale.clear();
+    }
+    if (layers.heights) scene.heights.fit(scene.main, picture);
+    this.symbols.fill(scene);
+  }
+
+  #draw(now_ms) {
+    const { gl, ratio, plan, below, scene } = this;
+    const { colours, view, layers, heights } = scene;
+    const [r, g, b] = colours.rgb.ground;
+    gl.clearColor(r, g, b, 1);
+    const place = {
+      view: [view.x, view.y, view.width / 2 / view.scale, view.height / 2 / view.scale],
+      heights: [0, 0, 0],
+      pixels: [plan.width * ratio, plan.height * ratio, ratio],
+    };
+    this.#area(plan.left, plan.top, plan.width, plan.height);
+    this.#drawPlan(place, now_ms);
+    if (layers.heights && below.height > 0) {
+      this.#area(below.left, below.top, below.width, below.height);
+      gl.clear(gl.COLOR_BUFFER_BIT);
+      const [left, top, width, height] = heights.inner(below.width, below.height);
+      this.#area(below.left + left, below.top + top, width, height);
+      const side = heights.place(width, height, ratio);
+      this.#drawDots(side);
+      if (layers.tracks) this.strokes.draw(this.symbols.heightLines, side);
+      this.marks.draw(this.symbols.marks, side);
+    }
+  }
+
+  #drawPlan(place, now_ms) {
+    const { gl, symbols, scene } = this;
+    const { picture, colours, layers, settings, sites } = scene;
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    if (layers.video) {
+      const how = {
+        now: picture.latest_s, gain_db: settings.gain_db, weak: colours.rgb.video,
+        strong: colours.rgb["video-strong"], steady: this.calm.matches,
+      };
+      for (const { of } of sites) this.video.draw(of, place, how);
+    }
+    this.strokes.draw(this.scale, place);
+    this.#drawDots(place);
+    if (layers.rings) {
+      fillBeam(this.beam, sites, colours, now_ms, this.calm.matches);
+      this.strokes.draw(this.beam, place);
+    }
+    this.strokes.draw(symbols.lines, place);
+    this.marks.draw(symbols.marks, place);
+  }
+
+  #drawDots(place) {
+    const { picture, colours, layers } = this.scene;
+    const { plot_s, trail_s } = picture.lives;
+    const now = picture.latest_s;
+    if (layers.trails) this.dots.draw(this.trail, place, { now, life: trail_s, alpha: 0.75, size: 2, rgb: colours.rgb.confirmed });
+    if (layers.plots) this.dots.draw(this.plots, place, { now, life: plot_s, alpha: 0.9, size: 3, rgb: colours.rgb.plot });
+  }
+
+  /** Draws into this part of the picture from now on; pixels of CSS from the upper left. */
+  #area(left, top, width, height) {
+    const { gl, ratio, whole } = this;
+    const at = [left, whole.height - top - height, width, height].map((px) => Math.round(px * ratio));
+    gl.viewport(...at);
+    gl.scissor(...at);
+  }
+}

@@ -1,0 +1,119 @@
+// Tracks, truth and errors as symbols and lines, for the plan and for the picture of heights.
+
+import { MARK, OF_STATE } from "./marks.js";
+import { ENDED, STATES } from "./picture.js";
+import { POINT } from "./ring.js";
+
+/** Speed vectors reach to where a target will be after so many scans. */
+export const VECTOR_SCANS = 10;
+/** A standard error times this bounds 95 % of a plane. */
+export const ELLIPSE_SIGMAS = Math.sqrt(5.991);
+/** An ellipse or error bar shorter than this says nothing, pixels. */
+const SMALLEST_PX = 3;
+const MOST_BARS = 3000;
+const MOST_ELLIPSES = 1500;
+const MARGIN_PX = 40;
+
+export class Symbols {
+  constructor(strokes, marks) {
+    this.lines = strokes.batch();
+    this.heightLines = strokes.batch();
+    this.marks = marks.batch();
+  }
+
+  /** Everything anew, for what is inside the view. */
+  fill({ picture, view, colours, layers, selection, hovered }) {
+    Object.assign(this, { picture, view, colours, layers });
+    this.lines.clear();
+    this.heightLines.clear();
+    this.marks.clear();
+    this.ellipses = 0;
+    const reach_x = (view.width / 2 + MARGIN_PX) / view.scale;
+    const reach_y = (view.height / 2 + MARGIN_PX) / view.scale;
+    this.sees = (x, y) => Math.abs(x - view.x) < reach_x && Math.abs(y - view.y) < reach_y;
+    if (layers.errors && layers.plots) this.#bars();
+    if (layers.truth) this.#truth();
+    if (layers.system) {
+      for (const track of picture.system.values()) this.#track(track, "system", MARK.system, 15);
+    }
+    if (layers.tracks) {
+      for (const track of picture.tracks.values()) this.#track(track, STATES[track.state], OF_STATE[track.state], 11);
+    }
+    if (hovered) this.marks.mark(hovered.x_m, hovered.y_m, hovered.z_m, 22, MARK.chosen, colours.packed("chosen", 0.5));
+    this.#chosen(selection);
+  }
+
+  #track(track, colour, form, size) {
+    const { lines, heightLines, layers, picture, view } = this;
+    const { x_m: x, y_m: y, z_m: z } = track;
+    const faint = track.state === 0 ? 0.8 : 1;
+    const packed = this.colours.packed(colour, faint);
+    this.marks.mark(x, y, z, size, form, packed);
+    if (track.state === ENDED) return;
+    if (layers.vectors) {
+      const ahead = VECTOR_SCANS * picture.scan_s;
+      const { vx_mps: vx, vy_mps: vy, vz_mps: vz } = track;
+      lines.line(x, y, 0, x + ahead * vx, y + ahead * vy, 0, 1.3, packed);
+      heightLines.line(x, y, z, x + ahead * vx, y + ahead * vy, z + ahead * vz, 1.3, packed);
+    }
+    if (layers.ellipses && this.ellipses < MOST_ELLIPSES && this.sees(x, y)) {
+      const widest_px = ELLIPSE_SIGMAS * Math.sqrt(Math.max(track.var_xx, track.var_yy)) * view.scale;
+      if (widest_px > SMALLEST_PX + size / 2) {
+        const dash = track.state === 2 ? -1.2 : 1.2;
+        lines.ellipse(x, y, track.var_xx, track.var_xy, track.var_yy, ELLIPSE_SIGMAS, dash, this.colours.packed(colour, 0.65));
+        this.ellipses += 1;
+      }
+      const dz = 2 * Math.sqrt(track.var_zz);
+      if (dz > 0) heightLines.line(x, y, z - dz, x, y, z + dz, 1.3, this.colours.packed(colour, 0.55));
+    }
+  }
+
+  /** One standard error to each side, along and across the line of sight. */
+  #bars() {
+    const { picture: { plots }, lines, view, colours } = this;
+    const { values } = plots;
+    const colour = colours.packed("plot", 0.7);
+    let left = MOST_BARS;
+    for (let n = plots.added - 1; n >= plots.first && left > 0; n -= 1) {
+      const at = (n % plots.capacity) * POINT;
+      const [along, across] = [values[at + 4], values[at + 5]];
+      if (Math.max(along, across) * view.scale < SMALLEST_PX) continue;
+      const [x, y] = [values[at], values[at + 1]];
+      if (!this.sees(x, y)) continue;
+      const [s, c] = [Math.sin(values[at + 6]), Math.cos(values[at + 6])];
+      lines.line(x - along * s, y - along * c, 0, x + along * s, y + along * c, 0, 1, colour);
+      lines.line(x - across * c, y + across * s, 0, x + across * c, y - across * s, 0, 1, colour);
+      left -= 1;
+    }
+  }
+
+  #truth() {
+    const colour = this.colours.packed("truth");
+    for (const { last } of this.picture.truth.targets.values()) {
+      this.marks.mark(last.x_m, last.y_m, last.z_m, 13, MARK.truth, colour);
+    }
+  }
+
+  /** The chosen track: corners round it, the plots of its last scans, where it was expected. */
+  #chosen({ track, scans }) {
+    if (!track) return;
+    const { marks, lines, heightLines, colours } = this;
+    const { x_m: x, y_m: y, z_m: z } = track;
+    marks.mark(x, y, z, 24, MARK.chosen, colours.packed("chosen"));
+    if (!this.layers.used) return;
+    scans.forEach((scan, i) => {
+      const fresh = (i + 1) / scans.length;
+      for (const plot of scan.used) {
+        const colour = colours.packed("used", 0.25 + 0.7 * fresh * fresh);
+        marks.mark(plot.x_m, plot.y_m, plot.z_m, 7 + 9 * plot.weight, MARK.used, colour);
+        const thick = 0.5 + 1.5 * plot.weight;
+        lines.line(plot.x_m, plot.y_m, 0, scan.x, scan.y, 0, thick, colour);
+        heightLines.line(plot.x_m, plot.y_m, plot.z_m, scan.x, scan.y, scan.z, thick, colour);
+      }
+    });
+    const expected = scans.at(-1)?.predicted;
+    if (expected) {
+      lines.ellipse(expected.x, expected.y, expected.var_xx, expected.var_xy, expected.var_yy, ELLIPSE_SIGMAS, -1.4, colours.packed("used", 0.8));
+    }
+  }
+}
