@@ -4,6 +4,8 @@ const WINDOW_MS = 3000;
 
 export class Frames {
   constructor() {
+    /** Drawn since the page was opened. */
+    this.total = 0;
     this.drawn = 0;
     this.called = 0;
     this.from_ms = NaN;
@@ -14,7 +16,10 @@ export class Frames {
   note(now_ms, drawn) {
     if (Number.isNaN(this.from_ms)) this.from_ms = now_ms;
     this.called += 1;
-    if (drawn) this.drawn += 1;
+    if (drawn) {
+      this.drawn += 1;
+      this.total += 1;
+    }
     const ms = now_ms - this.from_ms;
     if (ms < WINDOW_MS) return;
     this.last = { drawn_per_s: (1000 * this.drawn) / ms, called_per_s: (1000 * this.called) / ms };
@@ -23,6 +28,6 @@ export class Frames {
   }
 
   summary() {
-    return this.last;
+    return { ...this.last, total: this.total };
   }
 }

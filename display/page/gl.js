@@ -41,23 +41,41 @@ export function use(gl, of, place) {
   gl.uniform3fv(of.u_heights, place.heights);
 }
 
-/** Vertices that are written anew for each drawing, in a buffer that grows as needed. */
-export class Batch {
-  /** @param {number} stride of a record in words of four bytes */
-  constructor(gl, stride) {
+/** Words of four bytes in a record, and records in a row of the texture that holds them. */
+const RECORD = 8;
+const IN_ROW = 512;
+
+/** Part of a vertex shader: record `n` as two times four words. */
+export const RECORDS = `
+uniform highp usampler2D u_records;
+uvec4 word4(int n, int half_of) {
+  return texelFetch(u_records, ivec2((n % ${IN_ROW}) * 2 + half_of, n / ${IN_ROW}), 0);
+}
+vec4 colour_of(uint packed) {
+  return vec4(packed & 255u, (packed >> 8) & 255u, (packed >> 16) & 255u, packed >> 24) / 255.0;
+}
+`;
+
+/**
+ * Things to draw, eight words each, which a vertex shader fetches by its vertex number.
+ *
+ * A texture and not attributes of instances: a software renderer draws each instance by itself, which takes 30 µs.
+ */
+export class Records {
+  constructor(gl) {
     this.gl = gl;
-    this.stride = stride;
-    this.buffer = gl.createBuffer();
     this.count = 0;
-    this.#room(256);
+    this.#room(IN_ROW);
   }
 
   #room(records) {
-    const old = this.floats;
+    const { gl, floats: old } = this;
     this.capacity = records;
-    this.floats = new Float32Array(records * this.stride);
+    this.floats = new Float32Array(records * RECORD);
     this.words = new Uint32Array(this.floats.buffer);
-    if (old) this.floats.set(old);
+    if (old) this.words.set(new Uint32Array(old.buffer));
+    gl.deleteTexture(this.texture ?? null);
+    this.texture = texture(gl, gl.RGBA32UI, (IN_ROW * RECORD) / 4, records / IN_ROW);
   }
 
   clear() {
@@ -69,15 +87,28 @@ export class Batch {
   next() {
     if (this.count === this.capacity) this.#room(2 * this.capacity);
     this.changed = true;
-    return this.count++ * this.stride;
+    return this.count++ * RECORD;
   }
 
-  /** Binds the buffer, and sends it if it has changed. */
-  bind() {
+  /** Binds the texture to unit 0, and sends it if it has changed. */
+  bind(of) {
     const { gl } = this;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    gl.uniform1i(of.u_records, 0);
     if (!this.changed) return;
-    gl.bufferData(gl.ARRAY_BUFFER, this.floats.subarray(0, this.count * this.stride), gl.DYNAMIC_DRAW);
     this.changed = false;
+    const rows = Math.ceil(this.count / IN_ROW);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, (IN_ROW * RECORD) / 4, rows, gl.RGBA_INTEGER, gl.UNSIGNED_INT, this.words);
   }
+}
+
+/** A texture without filters. */
+export function texture(gl, format, width, height) {
+  const made = gl.createTexture();
+  gl.bindTexture(gl.TEXTURE_2D, made);
+  gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
+  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+  for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
+  return made;
 }

@@ -15,15 +15,17 @@ export class Heights {
     this.foot = [0, 0];
   }
 
-  /** Room for everything that flies; gives room back only when half of it is empty. */
+  /** Room for everything that flies, given back only when half of it is empty; says whether the axes have changed. */
   fit(site, picture) {
-    if (!site) return;
+    if (!site) return false;
+    const before = `${this.foot}/${this.range_m}/${this.top_m}`;
     this.foot = site.origin_m;
     this.range_m = site.range_max_m;
     let highest = LEAST_TOP_M / 1.2;
     for (const { z_m } of picture.tracks.values()) if (z_m > highest) highest = z_m;
     const top = roundStep(highest * 1.2);
     if (top > this.top_m || top < this.top_m / 2 || highest * 1.05 > this.top_m) this.top_m = top;
+    return before !== `${this.foot}/${this.range_m}/${this.top_m}`;
   }
 
   /** The picture without its margins, pixels: left, top, width, height. */
@@ -40,20 +42,20 @@ export class Heights {
     };
   }
 
-  /** Axes: calls `line(x0, y0, x1, y1)` and `write(text, px, py, align)`. */
-  axes(width, height, line, write) {
+  /** Lines and numbers of the axes. */
+  fillAxes(lines, width, height, colours, write) {
     const [left, top, w, h] = this.inner(width, height);
+    const [x, y] = this.foot;
+    const grid = colours.packed("ring");
     const up = roundStep((this.top_m * 32) / h);
     for (let z = 0; z <= this.top_m * 1.001; z += up) {
-      const y = top + h - (z / this.top_m) * h;
-      line(left, y, left + w, y);
-      write(distance(z), left - 6, y, "right");
+      lines.line(x, y, z, x, y + this.range_m, z, 1, grid);
+      write(distance(z), left - 6, top + h - (z / this.top_m) * h, "right");
     }
     const along = roundStep((this.range_m * 90) / w);
     for (let r = along; r <= this.range_m * 1.001; r += along) {
-      const x = left + (r / this.range_m) * w;
-      line(x, top, x, top + h);
-      write(distance(r), x, top + h + 11, "center");
+      lines.line(x, y + r, 0, x, y + r, this.top_m, 1, grid);
+      write(distance(r), left + (r / this.range_m) * w, top + h + 11, r > this.range_m * 0.97 ? "right" : "center");
     }
   }
 }

@@ -13,12 +13,12 @@ const OFFSETS = [[12, -9], [12, 15], [-12, -9], [-12, 15]];
 export class Labels {
   constructor() {
     this.taken = new Uint8Array(0);
-    /** What was placed: `{track, px, py, align, lines}`. */
+    /** What was placed: `{track, px, py, lines}`. */
     this.placed = [];
   }
 
   /** Places labels anew: the chosen track first, then confirmed ones, then the others. */
-  place({ picture, view, layers, selection, hovered }, measure) {
+  place({ picture, view, layers, selection, hovered }, glyphs) {
     this.columns = Math.ceil(view.width / CELL_PX) + 1;
     this.rows = Math.ceil(view.height / CELL_PX) + 1;
     if (this.taken.length < this.columns * this.rows) this.taken = new Uint8Array(this.columns * this.rows);
@@ -39,12 +39,24 @@ export class Labels {
     const few = inView.length <= FEW;
     // A symbol keeps its place free, as long as there is room for labels at all.
     if (inView.length < 2000) for (const { px, py } of inView) this.#claim(px - 5, py - 5, 10, 10);
-    for (const first of [selection.track, hovered]) if (first && first.px !== undefined) this.#put(first, true, measure);
+    const measure = (text) => glyphs.width(text, "label");
+    for (const first of new Set([selection.track, hovered])) if (first && inView.includes(first)) this.#put(first, true, measure);
     for (const wanted of [1, 2, 0]) {
       for (const track of inView) {
         if (this.placed.length >= MOST) return;
         if (track.state === wanted && track !== selection.track && track !== hovered) this.#put(track, few, measure);
       }
+    }
+  }
+
+  /** Writes what was placed. */
+  write(glyphs, { colours, selection }) {
+    const [chosen, text, soft] = ["chosen", "text", "soft"].map((name) => colours.packed(name));
+    for (const { track, px, py, lines } of this.placed) {
+      lines.forEach((line, i) => {
+        const colour = i > 0 ? soft : track === selection.track ? chosen : text;
+        glyphs.write(line, px, py + LINE_PX * (i + 0.5), "label", "left", colour);
+      });
     }
   }
 
@@ -60,7 +72,7 @@ export class Labels {
       if (!this.#free(left, top, width, height)) continue;
       this.#claim(left, top, width, height);
       track.corner = OFFSETS.indexOf(offset);
-      this.placed.push({ track, px: left, py: top, lines, width });
+      this.placed.push({ track, px: left, py: top, lines });
       return;
     }
   }

@@ -30,7 +30,7 @@ const view = new View();
 const send = (message) => link.send(message);
 const selection = new Selection(picture, (follow) => send({ follow }));
 const scene = { picture, view, settings, selection, layers: settings.layers, sites: [], hovered: null, following: false };
-const parts = Object.fromEntries(["stage", "ground", "writing", "plan", "heights"].map((id) => [id, byId(id)]));
+const parts = Object.fromEntries(["stage", "ground", "plan", "heights"].map((id) => [id, byId(id)]));
 scene.colours = new Colours(settings.scheme, () => settings.set({}));
 const ppi = new Ppi(parts, scene);
 const want = new Want(scene, send);

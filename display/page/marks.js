@@ -1,27 +1,27 @@
 // Symbols of a size in pixels: the form says what a thing is, also without colour.
 
-import { Batch, PLACE, program, use } from "./gl.js";
+import { PLACE, program, Records, RECORDS, use } from "./gl.js";
 
 /** Forms by their number in the shader. */
 export const MARK = { tentative: 0, confirmed: 1, coasting: 2, ended: 3, truth: 4, system: 5, used: 6, chosen: 7 };
 /** Form of a track by the number of its life state. */
 export const OF_STATE = [MARK.tentative, MARK.confirmed, MARK.coasting, MARK.ended];
 
+// A record: place (3), size, form, colour.
 const VERTEX = `
-layout(location = 0) in vec3 a_at;
-layout(location = 1) in vec2 a_size_form;
-layout(location = 2) in vec4 a_colour;
-uniform float u_ratio;                 // device pixels to one of CSS
+uniform float u_ratio; // device pixels to one of CSS
 out vec4 v_colour;
 flat out float v_size;
 flat out int v_form;
 ${PLACE}
+${RECORDS}
 void main() {
-  gl_Position = vec4(place(a_at), 0.0, 1.0);
-  v_size = a_size_form.x * u_ratio;
+  uvec4 first = word4(gl_VertexID, 0), second = word4(gl_VertexID, 1);
+  gl_Position = vec4(place(uintBitsToFloat(first.xyz)), 0.0, 1.0);
+  v_size = uintBitsToFloat(first.w) * u_ratio;
   gl_PointSize = v_size;
-  v_form = int(a_size_form.y);
-  v_colour = a_colour;
+  v_form = int(second.x);
+  v_colour = colour_of(second.y);
 }`;
 
 // Each form is a distance in pixels from a line of the drawing, and half of the width of that line.
@@ -50,8 +50,6 @@ void main() {
   o_colour = vec4(v_colour.rgb * alpha, alpha);
 }`;
 
-const BYTES = 24;
-
 export class MarkProgram {
   constructor(gl) {
     this.gl = gl;
@@ -62,44 +60,35 @@ export class MarkProgram {
     return new Marks(this.gl);
   }
 
-  draw(marks, place) {
-    if (marks.batch.count === 0) return;
+  draw({ records }, place) {
+    if (records.count === 0) return;
     const { gl, of } = this;
     use(gl, of, place);
     gl.uniform1f(of.u_ratio, place.pixels[2]);
-    gl.bindVertexArray(marks.vao);
-    marks.batch.bind();
-    gl.drawArrays(gl.POINTS, 0, marks.batch.count);
+    records.bind(of);
+    gl.drawArrays(gl.POINTS, 0, records.count);
   }
 }
 
 /** A set of symbols that is filled and drawn together. */
 class Marks {
   constructor(gl) {
-    this.batch = new Batch(gl, BYTES / 4);
-    this.vao = gl.createVertexArray();
-    gl.bindVertexArray(this.vao);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.batch.buffer);
-    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, BYTES, 0);
-    gl.vertexAttribPointer(1, 2, gl.FLOAT, false, BYTES, 12);
-    gl.vertexAttribPointer(2, 4, gl.UNSIGNED_BYTE, true, BYTES, 20);
-    for (const location of [0, 1, 2]) gl.enableVertexAttribArray(location);
-    gl.bindVertexArray(null);
+    this.records = new Records(gl);
   }
 
   clear() {
-    this.batch.clear();
+    this.records.clear();
   }
 
   /** A form at a point; `size` in pixels of CSS. */
   mark(x, y, z, size, form, colour) {
-    const at = this.batch.next();
-    const { floats, words } = this.batch;
+    const at = this.records.next();
+    const { floats, words } = this.records;
     floats[at] = x;
     floats[at + 1] = y;
     floats[at + 2] = z;
     floats[at + 3] = size;
-    floats[at + 4] = form;
+    words[at + 4] = form;
     words[at + 5] = colour;
   }
 }

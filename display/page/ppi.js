@@ -1,32 +1,33 @@
 // The picture itself: what is drawn in which order, and when it has to be drawn again.
 
 import { DotProgram } from "./dots.js";
+import { Glyphs } from "./glyphs.js";
 import { Heights } from "./heights.js";
 import { MarkProgram } from "./marks.js";
-import { fillBeam, fillScale } from "./scale.js";
+import { Labels } from "./labels.js";
+import { fillBeam, fillScale, writeScale } from "./scale.js";
 import { StrokeProgram } from "./strokes.js";
 import { Symbols } from "./symbols.js";
 import { VideoProgram } from "./video.js";
-import { Writing } from "./writing.js";
 
 /** The beam alone is drawn so often, ms; messages and the hand are followed at once. */
 const BEAM_MS = 30;
-/** Text follows messages so often, ms. */
-const WRITING_MS = 90;
+/** Labels follow messages so often, ms. */
+const LABELS_MS = 90;
 /** More device pixels than this to one of CSS cost time and show nothing. */
 const MOST_RATIO = 2;
 
 export class Ppi {
   /**
-   * @param {object} parts elements: stage, ground, writing, plan, heights
+   * @param {object} parts elements: stage, ground, plan, heights
    * @param {object} scene picture, view, colours, layers, selection: what is drawn
    */
   constructor(parts, scene) {
     this.parts = parts;
     this.scene = scene;
     scene.heights = new Heights();
-    this.writing = new Writing(parts.writing);
-    this.drawn = { versions: "", beam_ms: -Infinity, writing_ms: -Infinity, writing: "" };
+    this.labels = new Labels();
+    this.drawn = { versions: "", still: "", beam_ms: -Infinity, labels_ms: -Infinity };
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
     parts.ground.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
@@ -56,6 +57,9 @@ export class Ppi {
     this.trail = this.dots.of_ring(picture.trail);
     this.scale = this.strokes.batch();
     this.beam = this.strokes.batch();
+    this.axes = this.strokes.batch();
+    this.text = new Glyphs(gl);
+    this.heightText = new Glyphs(gl);
     this.symbols = new Symbols(this.strokes, this.marks);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
@@ -87,10 +91,9 @@ export class Ppi {
     this.below = of(heights);
     ground.width = Math.round(whole.width * ratio);
     ground.height = Math.round(whole.height * ratio);
-    this.writing.resize(whole.width, whole.height, ratio);
+    for (const text of [this.text, this.heightText]) text?.resize(ratio);
     this.scene.view.resize(this.plan.width, this.plan.height);
     this.drawn.versions = "";
-    this.drawn.writing = "";
   }
 
   /** Draws if anything has changed, and says whether it has. */
@@ -102,14 +105,13 @@ export class Ppi {
     const versions = `${still}/${picture.version}`;
     const beams = !this.calm.matches && now_ms - drawn.beam_ms >= BEAM_MS && this.#turning(now_ms);
     if (versions === drawn.versions && !beams) return false;
-    if (versions !== drawn.versions) this.#fill(still);
-    drawn.versions = versions;
-    drawn.beam_ms = now_ms;
-    this.#draw(now_ms);
-    if (drawn.writing !== versions && (drawn.still !== still || now_ms - drawn.writing_ms > WRITING_MS)) {
-      this.writing.draw(scene, this.plan, this.below);
-      Object.assign(drawn, { writing: versions, writing_ms: now_ms, still });
+    if (versions !== drawn.versions) this.#fill();
+    if (still !== drawn.still || (versions !== drawn.labelled && now_ms - drawn.labels_ms > LABELS_MS)) {
+      this.#write(still !== drawn.still);
+      Object.assign(drawn, { labelled: versions, labels_ms: now_ms });
     }
+    Object.assign(drawn, { versions, still, beam_ms: now_ms });
+    this.#draw(now_ms);
     return true;
   }
 
@@ -118,18 +120,34 @@ export class Ppi {
     return false;
   }
 
-  #fill(still) {
+  /** Lines and symbols anew. */
+  #fill() {
     const { scene } = this;
-    const { picture, view, colours, selection, layers } = scene;
+    const { picture, selection, layers } = scene;
     scene.sites = [...picture.sites.values()];
-    scene.main = (picture.sites.get(selection.track?.site) ?? scene.sites[0])?.of;
-    if (this.filled !== `${still}/${scene.main?.name}`) {
-      this.filled = `${still}/${scene.main?.name}`;
-      if (layers.rings) fillScale(this.scale, scene.sites, scene.main, view, colours);
-      else this.scale.clear();
-    }
-    if (layers.heights) scene.heights.fit(scene.main, picture);
+    const main = (picture.sites.get(selection.track?.site) ?? scene.sites[0])?.of;
+    if (main !== scene.main) this.drawn.still = "";
+    scene.main = main;
+    if (layers.heights && scene.heights.fit(main, picture)) this.drawn.still = "";
     this.symbols.fill(scene);
+  }
+
+  /** Text anew; with `scale`, also rings and axes, which only the hand moves. */
+  #write(scale) {
+    const { scene, text, heightText, below } = this;
+    const { view, colours, layers, main, sites, heights } = scene;
+    const soft = colours.packed("soft");
+    if (scale) {
+      this.scale.clear();
+      if (layers.rings) fillScale(this.scale, sites, main, view, colours);
+      this.axes.clear();
+      heightText.clear();
+      heights.fillAxes(this.axes, below.width, below.height, colours, (words, x, y, align) => heightText.write(words, x, y, "scale", align, soft));
+    }
+    text.clear();
+    if (layers.rings) writeScale(main, sites, view, (words, x, y, type) => text.write(words, x, y, type, "center", type === "strong" ? colours.packed("text") : soft));
+    this.labels.place(scene, text);
+    this.labels.write(text, scene);
   }
 
   #draw(now_ms) {
@@ -148,8 +166,10 @@ export class Ppi {
       this.#area(below.left, below.top, below.width, below.height);
       gl.clear(gl.COLOR_BUFFER_BIT);
       const [left, top, width, height] = heights.inner(below.width, below.height);
+      this.heightText.draw({ pixels: [below.width * ratio, below.height * ratio] }, colours.rgb.ground);
       this.#area(below.left + left, below.top + top, width, height);
       const side = heights.place(width, height, ratio);
+      this.strokes.draw(this.axes, side);
       this.#drawDots(side);
       if (layers.tracks) this.strokes.draw(this.symbols.heightLines, side);
       this.marks.draw(this.symbols.marks, side);
@@ -175,6 +195,7 @@ export class Ppi {
     }
     this.strokes.draw(symbols.lines, place);
     this.marks.draw(symbols.marks, place);
+    this.text.draw(place, colours.rgb.ground);
   }
 
   #drawDots(place) {

@@ -36,7 +36,7 @@ export function fillScale(lines, sites, main, view, colours) {
   }
 }
 
-/** Numbers of the scale: calls `write(text, px, py, align)`. */
+/** Numbers of the scale: calls `write(text, px, py, type)`. */
 export function writeScale(main, sites, view, write) {
   if (!main) return;
   const [x, y] = main.origin_m;
@@ -46,17 +46,17 @@ export function writeScale(main, sites, view, write) {
   for (const radius of [...ringsOf(main, view), main.range_max_m]) {
     const px = ax + radius * view.scale * Math.sin(ray);
     const py = ay - radius * view.scale * Math.cos(ray);
-    if (radius < main.range_max_m * 0.97 || radius === main.range_max_m) write(distance(radius), px, py, "center");
+    if (radius < main.range_max_m * 0.97 || radius === main.range_max_m) write(distance(radius), px, py, "scale");
   }
   const rim = main.range_max_m * view.scale + 2 * TICK_PX + 11;
   for (let degrees = 0; inside && degrees < 360; degrees += 30) {
     const [s, c] = [Math.sin(rad(degrees)), -Math.cos(rad(degrees))];
     const border = Math.min(edge(ax, s, view.width), edge(ay, c, view.height));
     const at = Math.min(rim, border);
-    if (at > 40) write(angle(rad(degrees)), ax + at * s, ay + at * c, "center");
+    if (at > 40) write(angle(rad(degrees)), ax + at * s, ay + at * c, "scale");
   }
   if (sites.length > 1) {
-    for (const { of } of sites) write(of.name, view.screenX(of.origin_m[0]), view.screenY(of.origin_m[1]) + 16, "center", "strong");
+    for (const { of } of sites) write(of.name, view.screenX(of.origin_m[0]), view.screenY(of.origin_m[1]) + 16, "strong");
   }
 }
 
@@ -79,7 +79,7 @@ function ringsOf(main, view) {
   return Array.from({ length: n }, (_, i) => (i + 1) * step);
 }
 
-const pieces = (radius_px) => Math.min(360, Math.max(48, Math.round(radius_px / 4)));
+const pieces = (radius_px) => Math.min(360, Math.max(48, Math.round(radius_px / 6)));
 
 /** Steps of the direction `slope` from `at` to the border of `0..size`. */
 function edge(at, slope, size) {

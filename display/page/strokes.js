@@ -1,29 +1,32 @@
 // Lines between points in space, with a width in pixels and soft edges.
 
-import { Batch, PLACE, program, use } from "./gl.js";
+import { PLACE, program, Records, RECORDS, use } from "./gl.js";
 
+// A record: from (3), to (3), width, colour.
 const VERTEX = `
-layout(location = 0) in vec3 a_from;
-layout(location = 1) in vec3 a_to;
-layout(location = 2) in float a_width; // negative: dashed
-layout(location = 3) in vec4 a_colour;
-uniform vec3 u_pixels;                 // width and height of the part of the screen, pixels of CSS to the device's
+uniform vec3 u_pixels; // width and height of the part of the screen, device pixels; device pixels to one of CSS
 out vec4 v_colour;
-out vec3 v_line;                       // across, half of the width, along; device pixels
+out vec3 v_line;       // across, half of the width, along; device pixels
 ${PLACE}
+${RECORDS}
+const int CORNERS[6] = int[6](0, 1, 2, 2, 1, 3);
 void main() {
+  int corner = CORNERS[gl_VertexID % 6];
+  uvec4 first = word4(gl_VertexID / 6, 0), second = word4(gl_VertexID / 6, 1);
   vec2 half_size = 0.5 * u_pixels.xy;
-  vec2 from = place(a_from) * half_size, to = place(a_to) * half_size;
+  vec2 from = place(uintBitsToFloat(first.xyz)) * half_size;
+  vec2 to = place(uintBitsToFloat(uvec3(first.w, second.xy))) * half_size;
+  float width = uintBitsToFloat(second.z); // negative: dashed
   float length_px = max(distance(from, to), 1e-3);
   vec2 along = (to - from) / length_px;
-  float half_width = 0.5 * abs(a_width) * u_pixels.z;
+  float half_width = 0.5 * abs(width) * u_pixels.z;
   float reach = half_width + 1.0;
-  bool far = gl_VertexID > 1;
-  float side = (gl_VertexID & 1) == 0 ? -reach : reach;
+  bool far = corner > 1;
+  float side = (corner & 1) == 0 ? -reach : reach;
   vec2 at = (far ? to : from) + side * vec2(-along.y, along.x);
   gl_Position = vec4(at / half_size, 0.0, 1.0);
-  v_colour = a_colour;
-  v_line = vec3(side, half_width, a_width < 0.0 ? (far ? length_px : 0.0) / u_pixels.z : -1.0);
+  v_colour = colour_of(second.w);
+  v_line = vec3(side, half_width, width < 0.0 ? (far ? length_px : 0.0) / u_pixels.z : -1.0);
 }`;
 
 const FRAGMENT = `
@@ -37,8 +40,6 @@ void main() {
   o_colour = vec4(v_colour.rgb * alpha, alpha);
 }`;
 
-const BYTES = 32;
-
 export class StrokeProgram {
   constructor(gl) {
     this.gl = gl;
@@ -49,43 +50,30 @@ export class StrokeProgram {
     return new Strokes(this.gl);
   }
 
-  draw(strokes, place) {
-    if (strokes.batch.count === 0) return;
+  draw({ records }, place) {
+    if (records.count === 0) return;
     const { gl, of } = this;
     use(gl, of, place);
     gl.uniform3fv(of.u_pixels, place.pixels);
-    gl.bindVertexArray(strokes.vao);
-    strokes.batch.bind();
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, strokes.batch.count);
+    records.bind(of);
+    gl.drawArrays(gl.TRIANGLES, 0, 6 * records.count);
   }
 }
 
 /** A set of lines that is filled and drawn together. */
 class Strokes {
   constructor(gl) {
-    this.batch = new Batch(gl, BYTES / 4);
-    this.vao = gl.createVertexArray();
-    gl.bindVertexArray(this.vao);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.batch.buffer);
-    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, BYTES, 0);
-    gl.vertexAttribPointer(1, 3, gl.FLOAT, false, BYTES, 12);
-    gl.vertexAttribPointer(2, 1, gl.FLOAT, false, BYTES, 24);
-    gl.vertexAttribPointer(3, 4, gl.UNSIGNED_BYTE, true, BYTES, 28);
-    for (const location of [0, 1, 2, 3]) {
-      gl.enableVertexAttribArray(location);
-      gl.vertexAttribDivisor(location, 1);
-    }
-    gl.bindVertexArray(null);
+    this.records = new Records(gl);
   }
 
   clear() {
-    this.batch.clear();
+    this.records.clear();
   }
 
   /** From one point to another; `width` in pixels of CSS, negative for a dashed line. */
   line(ax, ay, az, bx, by, bz, width, colour) {
-    const at = this.batch.next();
-    const { floats, words } = this.batch;
+    const at = this.records.next();
+    const { floats, words } = this.records;
     floats[at] = ax;
     floats[at + 1] = ay;
     floats[at + 2] = az;
