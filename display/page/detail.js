@@ -18,12 +18,12 @@ export class Detail {
     this.life = element("span", { class: "life" });
     const close = element("button", { type: "button", "aria-label": "Close the panel", class: "close", onclick: onClose }, "×");
     this.facts = new Facts();
-    this.state = new Table("State with standard errors", ["", "Position", "Velocity", "Acceleration"]);
+    this.state = new Table("State with standard errors", ["Axis", "Position, m", "Velocity, m/s", "Accel., m/s²"]);
     this.modelNames = element("ul", { class: "key" });
     this.models = new Chart("Model probabilities over time", 56);
     this.used = new Table("Plots used by the last update", ["Plot", "Weight", "In gates", "Distance"]);
     this.gate = element("p", { class: "soft" });
-    this.hops = new Table("Latency hop by hop", ["Hop", "Time", ""]);
+    this.hops = new Table("Latency hop by hop", ["Hop", "Time", "Share"]);
     this.errorTitle = element("h3", {}, "Errors against truth");
     this.errors = AXES.map(([, name]) => [element("span", { class: "axis" }), new Chart(`Error ${name.toLowerCase()}`, 40)]);
     this.errorBox = element("div", { class: "errors" }, ...this.errors.flatMap(([text, chart]) => [text, chart.canvas]));
@@ -75,13 +75,13 @@ export class Detail {
   }
 
   #state({ state, sigma }) {
-    const cell = (key, unit, digits) => {
+    const cell = (key, digits) => {
       const value = state[key];
       if (!Number.isFinite(value)) return "–";
-      return `${number(value, digits)} ± ${number(sigma?.[key], digits)} ${unit}`;
+      return `${number(value, digits)} ± ${number(sigma?.[key], digits)}`;
     };
     this.state.update(
-      AXES.map(([axis, name]) => [axis, [name, cell(axis, "m", 1), cell(`v${axis}`, "m/s", 1), cell(`a${axis}`, "m/s²", 2)]]),
+      AXES.map(([axis, name]) => [axis, [name, cell(axis, 1), cell(`v${axis}`, 1), cell(`a${axis}`, 2)]]),
     );
   }
 

@@ -19,6 +19,21 @@ export function setText(of, text) {
   if (of.textContent !== text) of.textContent = text;
 }
 
+const SVG = "http://www.w3.org/2000/svg";
+
+/** An element of a drawing. */
+export function svg(name, attributes = {}, ...children) {
+  const made = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+}
+
+/** A small drawing in the colour of the text, in a square of 16. */
+export function drawing(path) {
+  return svg("svg", { class: "icon", viewBox: "0 0 16 16", "aria-hidden": "true" }, svg("path", { d: path }));
+}
+
 export const byId = (id) => document.getElementById(id);
 
 /**

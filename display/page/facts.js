@@ -24,6 +24,6 @@ export class Facts {
     setText(of.alive, number(sum(({ alive }) => alive)));
     setText(of.plots, number(sum(({ scan_plots }) => scan_plots)));
     const { p50_ms, p95_ms, n } = this.latency.summary();
-    setText(of.latency, n ? `${number(p50_ms)} / ${number(p95_ms)}\u202fms` : "–");
+    setText(of.latency, n ? `p50 ${number(p50_ms)}, p95 ${number(p95_ms)}\u202fms` : "–");
   }
 }

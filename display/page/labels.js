@@ -3,7 +3,9 @@
 import { quantity } from "./format.js";
 
 const LINE_PX = 13;
-const MOST = 400;
+/** With more tracks than this in view labels keep a distance from each other, and have one place only. */
+const CROWD = 300;
+const DISTANCE_PX = 18;
 /** Side of a cell of the grid in which labels claim their place, pixels. */
 const CELL_PX = 6;
 /** With fewer tracks than this in view each label also says speed and height. */
@@ -17,13 +19,22 @@ export class Labels {
     this.placed = [];
   }
 
-  /** Places labels anew: the chosen track first, then confirmed ones, then the others. */
-  place({ picture, view, layers, selection, hovered }, glyphs) {
+  /** Forgets all places. */
+  begin(view) {
     this.columns = Math.ceil(view.width / CELL_PX) + 1;
     this.rows = Math.ceil(view.height / CELL_PX) + 1;
     if (this.taken.length < this.columns * this.rows) this.taken = new Uint8Array(this.columns * this.rows);
     else this.taken.fill(0);
     this.placed.length = 0;
+  }
+
+  /** Takes the place of another text with this middle. */
+  reserve(px, py, width) {
+    this.#claim(px - width / 2, py - LINE_PX / 2, width, LINE_PX);
+  }
+
+  /** Places labels: the chosen track first, then confirmed ones, then the others. */
+  place({ picture, view, layers, selection, hovered }, glyphs) {
     if (!layers.labels) return;
     const inView = [];
     for (const [on, store] of [[layers.tracks, picture.tracks], [layers.system, picture.system]]) {
@@ -37,13 +48,13 @@ export class Labels {
       }
     }
     const few = inView.length <= FEW;
+    this.crowd = inView.length > CROWD;
     // A symbol keeps its place free, as long as there is room for labels at all.
-    if (inView.length < 2000) for (const { px, py } of inView) this.#claim(px - 5, py - 5, 10, 10);
+    if (!this.crowd) for (const { px, py } of inView) this.#claim(px - 5, py - 5, 10, 10);
     const measure = (text) => glyphs.width(text, "label");
     for (const first of new Set([selection.track, hovered])) if (first && inView.includes(first)) this.#put(first, true, measure);
     for (const wanted of [1, 2, 0]) {
       for (const track of inView) {
-        if (this.placed.length >= MOST) return;
         if (track.state === wanted && track !== selection.track && track !== hovered) this.#put(track, few, measure);
       }
     }
@@ -61,16 +72,19 @@ export class Labels {
   }
 
   #put(track, full, measure) {
+    const first = OFFSETS[track.corner ?? 0];
+    if (this.crowd && !this.#free(track.px + first[0], track.py + first[1], 1, 1)) return;
     const lines = textOf(track, full);
     const width = Math.max(...lines.map(measure));
     const height = LINE_PX * lines.length;
-    const tries = track.corner === undefined ? OFFSETS : [OFFSETS[track.corner], ...OFFSETS];
+    const away = this.crowd ? DISTANCE_PX : 0;
+    const tries = this.crowd ? [first] : [first, ...OFFSETS];
     for (const offset of tries) {
       const [dx, dy] = offset;
       const left = dx > 0 ? track.px + dx : track.px + dx - width;
       const top = dy < 0 ? track.py + dy - height + LINE_PX / 2 : track.py + dy - LINE_PX / 2;
       if (!this.#free(left, top, width, height)) continue;
-      this.#claim(left, top, width, height);
+      this.#claim(left - away, top - away, width + 2 * away, height + 2 * away);
       track.corner = OFFSETS.indexOf(offset);
       this.placed.push({ track, px: left, py: top, lines });
       return;
@@ -100,15 +114,14 @@ export class Labels {
   }
 }
 
-/** Number, and below it speed and height where there is room. */
+/** Number, and below it speed and height where there is room; made anew when the track has moved. */
 function textOf(track, full) {
+  track.short ??= [track.site === "" ? `S${track.id}` : track.label || String(track.id)];
+  if (!full) return track.short;
   if (track.labelled !== track.time_s) {
     track.labelled = track.time_s;
-    const name = track.site === "" ? `S${track.id}` : track.label || String(track.id);
-    const speed = Math.hypot(track.vx_mps, track.vy_mps);
-    track.short = [name];
     const height = Number.isFinite(track.z_m) ? `  ${quantity(track.z_m, "m")}` : "";
-    track.full = [name, `${quantity(speed, "m/s")}${height}`];
+    track.full = [track.short[0], `${quantity(Math.hypot(track.vx_mps, track.vy_mps), "m/s")}${height}`];
   }
-  return full ? track.full : track.short;
+  return track.full;
 }

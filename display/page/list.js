@@ -6,6 +6,9 @@ import { ENDED, STATES } from "./picture.js";
 
 /** Rows that are shown; a search by number finds the others. */
 const MOST_ROWS = 200;
+/** A list of more tracks than this is sorted anew once a second. */
+const MANY = 1000;
+const MANY_MS = 1000;
 /** Order by life state: confirmed, coasting, tentative. */
 const RANK = [2, 0, 1, 3];
 
@@ -37,7 +40,11 @@ export class TrackList {
     return living.sort((a, b) => RANK[a.state] - RANK[b.state] || (a.site < b.site ? -1 : a.site > b.site ? 1 : a.id - b.id));
   }
 
-  update() {
+  /** The list anew; `soon` says that once a second will do. */
+  update(soon = false) {
+    const now_ms = performance.now();
+    if (soon && this.picture.tracks.size > MANY && now_ms - this.updated_ms < MANY_MS) return;
+    this.updated_ms = now_ms;
     const order = this.order();
     this.shown = order.slice(0, MOST_ROWS);
     const several = this.picture.sites.size > 1;

@@ -105,13 +105,17 @@ const detail = new Detail(byId("detail"), scene, latency, () => choose(null));
 function showLink() {
   setText(byId("link"), dropped ? `${linkText}, ${dropped} messages dropped` : linkText);
   const notice = byId("notice");
-  const text = !ppi.works
-    ? "This browser has no WebGL 2, which the picture needs. The list of tracks and the view of the chain work without it."
-    : linkText.startsWith("Connection lost")
-      ? `${linkText}. What you see is the last that came.`
-      : "";
+  const text = noticeText();
   notice.hidden = text === "";
   setText(notice, text);
+}
+
+/** What the reader has to know to understand what is, or is not, on the screen. */
+function noticeText() {
+  if (!ppi.works) return "This browser has no WebGL 2, which the picture needs. The list of tracks and the view of the chain work without it.";
+  if (byId("link").dataset.state === "lost") return `${linkText}. What you see is the last that came.`;
+  if (picture.hello && Number.isNaN(picture.epoch_s)) return "Connected. No data of a radar have come yet.";
+  return "";
 }
 
 /** The view shows the coverage of all sites. */
@@ -206,14 +210,15 @@ showScheme();
 showLink();
 
 /** Everything beside the picture. */
-function panels() {
+function panels(soon = false) {
   facts.update();
+  showLink();
   const { track } = selection;
   byId("centre").disabled = !track;
   byId("centre").setAttribute("aria-pressed", String(scene.following));
   parts.stage.classList.toggle("without-heights", !settings.layers.heights);
   if (shown === "picture") {
-    list.update();
+    list.update(soon);
     detail.update();
   }
   chain.update(shown === "chain");
@@ -233,7 +238,7 @@ function frame(now_ms) {
   else if (shown !== "picture") latency.forget();
   if (now_ms - panels_ms > PANEL_MS) {
     panels_ms = now_ms;
-    panels();
+    panels(true);
     events.say(now_ms);
   }
 }

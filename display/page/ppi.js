@@ -14,6 +14,8 @@ import { VideoProgram } from "./video.js";
 const BEAM_MS = 30;
 /** Labels follow messages so often, ms. */
 const LABELS_MS = 90;
+/** More plots than this are smaller and fainter ones. */
+const CROWD = 20_000;
 /** More device pixels than this to one of CSS cost time and show nothing. */
 const MOST_RATIO = 2;
 
@@ -48,13 +50,12 @@ export class Ppi {
     const gl = this.parts.ground.getContext("webgl2", { antialias: false, alpha: false, depth: false, powerPreference: "high-performance" });
     this.gl = gl;
     if (!gl) return;
-    const { picture } = this.scene;
     this.video = new VideoProgram(gl);
     this.strokes = new StrokeProgram(gl);
     this.marks = new MarkProgram(gl);
     this.dots = new DotProgram(gl);
-    this.plots = this.dots.of_ring(picture.plots);
-    this.trail = this.dots.of_ring(picture.trail);
+    this.planDots = this.dots.image();
+    this.heightDots = this.dots.image();
     this.scale = this.strokes.batch();
     this.beam = this.strokes.batch();
     this.axes = this.strokes.batch();
@@ -92,6 +93,9 @@ export class Ppi {
     ground.width = Math.round(whole.width * ratio);
     ground.height = Math.round(whole.height * ratio);
     for (const text of [this.text, this.heightText]) text?.resize(ratio);
+    const [, , width, height] = this.scene.heights.inner(this.below.width, this.below.height);
+    this.planDots?.resize(this.plan.width * ratio, this.plan.height * ratio);
+    this.heightDots?.resize(width * ratio, height * ratio);
     this.scene.view.resize(this.plan.width, this.plan.height);
     this.drawn.versions = "";
   }
@@ -129,7 +133,34 @@ export class Ppi {
     if (main !== scene.main) this.drawn.still = "";
     scene.main = main;
     if (layers.heights && scene.heights.fit(main, picture)) this.drawn.still = "";
-    this.symbols.fill(scene);
+    this.#place();
+    const images = layers.heights ? [this.planDots, this.heightDots] : [this.planDots];
+    this.planDots.begin(this.planPlace);
+    this.heightDots.begin(this.sidePlace);
+    for (const image of images) this.#fillDots(image);
+    this.symbols.fill(scene, images, this.ratio);
+  }
+
+  /** Where metres are on the screen, in both parts of the picture. */
+  #place() {
+    const { plan, below, ratio, scene: { view, heights } } = this;
+    this.planPlace = {
+      view: [view.x, view.y, view.width / 2 / view.scale, view.height / 2 / view.scale],
+      heights: [0, 0, 0],
+      pixels: [plan.width * ratio, plan.height * ratio, ratio],
+    };
+    this.sideArea = heights.inner(below.width, below.height);
+    this.sidePlace = heights.place(this.sideArea[2], this.sideArea[3], ratio);
+  }
+
+  #fillDots(image) {
+    const { picture, colours, layers } = this.scene;
+    const { plot_s, trail_s } = picture.lives;
+    const now = picture.latest_s;
+    const crowd = picture.plots.added - picture.plots.first > CROWD;
+    const size = (px) => Math.max(1, Math.round(px * this.ratio));
+    if (layers.trails) image.ring(picture.trail, { now, life: crowd ? trail_s / 4 : trail_s, alpha: crowd ? 0.4 : 0.75, size: size(crowd ? 1 : 2), rgb: colours.rgb.confirmed });
+    if (layers.plots) image.ring(picture.plots, { now, life: plot_s, alpha: crowd ? 0.55 : 0.9, size: size(crowd ? 1 : 3), rgb: colours.rgb.plot });
   }
 
   /** Text anew; with `scale`, also rings and axes, which only the hand moves. */
@@ -145,35 +176,34 @@ export class Ppi {
       heights.fillAxes(this.axes, below.width, below.height, colours, (words, x, y, align) => heightText.write(words, x, y, "scale", align, soft));
     }
     text.clear();
-    if (layers.rings) writeScale(main, sites, view, (words, x, y, type) => text.write(words, x, y, type, "center", type === "strong" ? colours.packed("text") : soft));
+    this.labels.begin(view);
+    if (layers.rings) {
+      writeScale(main, sites, view, (words, x, y, type) => {
+        text.write(words, x, y, type, "center", type === "strong" ? colours.packed("text") : soft);
+        this.labels.reserve(x, y, text.width(words, type));
+      });
+    }
     this.labels.place(scene, text);
     this.labels.write(text, scene);
   }
 
   #draw(now_ms) {
     const { gl, ratio, plan, below, scene } = this;
-    const { colours, view, layers, heights } = scene;
+    const { colours, layers } = scene;
     const [r, g, b] = colours.rgb.ground;
     gl.clearColor(r, g, b, 1);
-    const place = {
-      view: [view.x, view.y, view.width / 2 / view.scale, view.height / 2 / view.scale],
-      heights: [0, 0, 0],
-      pixels: [plan.width * ratio, plan.height * ratio, ratio],
-    };
     this.#area(plan.left, plan.top, plan.width, plan.height);
-    this.#drawPlan(place, now_ms);
-    if (layers.heights && below.height > 0) {
-      this.#area(below.left, below.top, below.width, below.height);
-      gl.clear(gl.COLOR_BUFFER_BIT);
-      const [left, top, width, height] = heights.inner(below.width, below.height);
-      this.heightText.draw({ pixels: [below.width * ratio, below.height * ratio] }, colours.rgb.ground);
-      this.#area(below.left + left, below.top + top, width, height);
-      const side = heights.place(width, height, ratio);
-      this.strokes.draw(this.axes, side);
-      this.#drawDots(side);
-      if (layers.tracks) this.strokes.draw(this.symbols.heightLines, side);
-      this.marks.draw(this.symbols.marks, side);
-    }
+    this.#drawPlan(this.planPlace, now_ms);
+    if (!layers.heights || below.height <= 0) return;
+    this.#area(below.left, below.top, below.width, below.height);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    this.heightText.draw({ pixels: [below.width * ratio, below.height * ratio] }, colours.rgb.ground);
+    const [left, top, width, height] = this.sideArea;
+    this.#area(below.left + left, below.top + top, width, height);
+    this.strokes.draw(this.axes, this.sidePlace);
+    this.dots.draw(this.heightDots);
+    if (layers.tracks) this.strokes.draw(this.symbols.heightLines, this.sidePlace);
+    this.marks.draw(this.symbols.marks, this.sidePlace);
   }
 
   #drawPlan(place, now_ms) {
@@ -188,7 +218,7 @@ export class Ppi {
       for (const { of } of sites) this.video.draw(of, place, how);
     }
     this.strokes.draw(this.scale, place);
-    this.#drawDots(place);
+    this.dots.draw(this.planDots);
     if (layers.rings) {
       fillBeam(this.beam, sites, colours, now_ms, this.calm.matches);
       this.strokes.draw(this.beam, place);
@@ -196,14 +226,6 @@ export class Ppi {
     this.strokes.draw(symbols.lines, place);
     this.marks.draw(symbols.marks, place);
     this.text.draw(place, colours.rgb.ground);
-  }
-
-  #drawDots(place) {
-    const { picture, colours, layers } = this.scene;
-    const { plot_s, trail_s } = picture.lives;
-    const now = picture.latest_s;
-    if (layers.trails) this.dots.draw(this.trail, place, { now, life: trail_s, alpha: 0.75, size: 2, rgb: colours.rgb.confirmed });
-    if (layers.plots) this.dots.draw(this.plots, place, { now, life: plot_s, alpha: 0.9, size: 3, rgb: colours.rgb.plot });
   }
 
   /** Draws into this part of the picture from now on; pixels of CSS from the upper left. */

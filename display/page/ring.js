@@ -1,4 +1,4 @@
-// Points with their times, the oldest overwritten: plots and trails, kept as the graphics card reads them.
+// Points with their times, the oldest overwritten: plots and trails.
 
 /** Columns of a point: x, y, z in m, time in s since the picture began, then what its layer needs. */
 export const POINT = 8;
@@ -16,8 +16,6 @@ export class Ring {
     this.added = 0;
     /** The first that is still young enough to be shown. */
     this.first = 0;
-    /** Points that the graphics card has. */
-    this.uploaded = 0;
   }
 
   add(x, y, z, time, a = 0, b = 0, c = 0, d = 0) {

@@ -1,9 +1,7 @@
 // The chain as boxes joined by their topics.
 
-import { element, setText } from "./element.js";
+import { element, setText, svg } from "./element.js";
 import { number, percent, quantity } from "./format.js";
-
-const SVG = "http://www.w3.org/2000/svg";
 
 /** Processes of all sites from `status`, which has one level more where there are several sites. */
 export function processesOf(status) {
@@ -15,8 +13,7 @@ export function processesOf(status) {
 export class Stages {
   constructor(box) {
     this.box = box;
-    this.wires = document.createElementNS(SVG, "svg");
-    this.wires.setAttribute("aria-hidden", "true");
+    this.wires = svg("svg", { "aria-hidden": "true" });
     this.cards = [];
     new ResizeObserver(() => this.#join()).observe(box);
   }
@@ -76,10 +73,7 @@ function path(from, to, whole, observer) {
   const [x0, y0] = [a.right - whole.left, a.top + a.height / 2 - whole.top];
   const [x1, y1] = [b.left - whole.left, b.top + b.height / 2 - whole.top];
   const bend = Math.max(12, (x1 - x0) / 2);
-  const line = document.createElementNS(SVG, "path");
-  line.setAttribute("d", `M${x0} ${y0}C${x0 + bend} ${y0} ${x1 - bend} ${y1} ${x1} ${y1}`);
-  if (observer) line.setAttribute("class", "observer");
-  return line;
+  return svg("path", { d: `M${x0} ${y0}C${x0 + bend} ${y0} ${x1 - bend} ${y1} ${x1} ${y1}`, class: observer ? "observer" : "" });
 }
 
 /** One stage: its condition, what it reads and sends, what it has lost. */

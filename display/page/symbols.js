@@ -13,6 +13,12 @@ const SMALLEST_PX = 3;
 const MOST_BARS = 3000;
 const MOST_ELLIPSES = 1500;
 const MARGIN_PX = 40;
+/** Symbols cover at most this share of the picture: more of them are smaller ones. */
+const SHARE = 0.06;
+const LARGEST_PX = 11;
+/** Smaller than this a symbol has no form: it is a dot in its colour. */
+const SMALLEST_FORM_PX = 6;
+const DOT_PX = 3;
 
 export class Symbols {
   constructor(strokes, marks) {
@@ -21,9 +27,9 @@ export class Symbols {
     this.marks = marks.batch();
   }
 
-  /** Everything anew, for what is inside the view. */
-  fill({ picture, view, colours, layers, selection, hovered }) {
-    Object.assign(this, { picture, view, colours, layers });
+  /** Everything anew, for what is inside the view; dots go into the images. */
+  fill({ picture, view, colours, layers, selection, hovered }, images, ratio) {
+    Object.assign(this, { picture, view, colours, layers, images });
     this.lines.clear();
     this.heightLines.clear();
     this.marks.clear();
@@ -31,16 +37,28 @@ export class Symbols {
     const reach_x = (view.width / 2 + MARGIN_PX) / view.scale;
     const reach_y = (view.height / 2 + MARGIN_PX) / view.scale;
     this.sees = (x, y) => Math.abs(x - view.x) < reach_x && Math.abs(y - view.y) < reach_y;
+    this.size = this.#size();
+    this.dot = Math.round(DOT_PX * ratio);
     if (layers.errors && layers.plots) this.#bars();
-    if (layers.truth) this.#truth();
+    if (layers.truth && this.size >= SMALLEST_FORM_PX) this.#truth();
+    this.#used(selection);
     if (layers.system) {
-      for (const track of picture.system.values()) this.#track(track, "system", MARK.system, 15);
+      for (const track of picture.system.values()) this.#track(track, "system", MARK.system, this.size + 4);
     }
     if (layers.tracks) {
-      for (const track of picture.tracks.values()) this.#track(track, STATES[track.state], OF_STATE[track.state], 11);
+      for (const track of picture.tracks.values()) this.#track(track, STATES[track.state], OF_STATE[track.state], this.size);
     }
     if (hovered) this.marks.mark(hovered.x_m, hovered.y_m, hovered.z_m, 22, MARK.chosen, colours.packed("chosen", 0.5));
-    this.#chosen(selection);
+    const { track } = selection;
+    if (track) this.marks.mark(track.x_m, track.y_m, track.z_m, 24, MARK.chosen, colours.packed("chosen"));
+  }
+
+  /** Size of a symbol such that all of them leave something to be seen. */
+  #size() {
+    const { picture: { tracks }, view } = this;
+    let n = 0;
+    for (const { x_m, y_m } of tracks.values()) if (this.sees(x_m, y_m)) n += 1;
+    return Math.min(LARGEST_PX, Math.sqrt((SHARE * view.width * view.height) / Math.max(1, n)));
   }
 
   #track(track, colour, form, size) {
@@ -48,6 +66,10 @@ export class Symbols {
     const { x_m: x, y_m: y, z_m: z } = track;
     const faint = track.state === 0 ? 0.8 : 1;
     const packed = this.colours.packed(colour, faint);
+    if (size < SMALLEST_FORM_PX) {
+      for (const image of this.images) image.point(x, y, z, this.dot, packed | 0xff000000);
+      return;
+    }
     this.marks.mark(x, y, z, size, form, packed);
     if (track.state === ENDED) return;
     if (layers.vectors) {
@@ -94,18 +116,15 @@ export class Symbols {
     }
   }
 
-  /** The chosen track: corners round it, the plots of its last scans, where it was expected. */
-  #chosen({ track, scans }) {
-    if (!track) return;
+  /** The plots that have moved the chosen track in its last scans, and where it was expected. */
+  #used({ track, scans }) {
+    if (!track || !this.layers.used) return;
     const { marks, lines, heightLines, colours } = this;
-    const { x_m: x, y_m: y, z_m: z } = track;
-    marks.mark(x, y, z, 24, MARK.chosen, colours.packed("chosen"));
-    if (!this.layers.used) return;
     scans.forEach((scan, i) => {
       const fresh = (i + 1) / scans.length;
       for (const plot of scan.used) {
-        const colour = colours.packed("used", 0.25 + 0.7 * fresh * fresh);
-        marks.mark(plot.x_m, plot.y_m, plot.z_m, 7 + 9 * plot.weight, MARK.used, colour);
+        const colour = colours.packed("used", 0.2 + 0.6 * fresh * fresh);
+        marks.mark(plot.x_m, plot.y_m, plot.z_m, 6 + 7 * plot.weight, MARK.used, colour);
         const thick = 0.5 + 1.5 * plot.weight;
         lines.line(plot.x_m, plot.y_m, 0, scan.x, scan.y, 0, thick, colour);
         heightLines.line(plot.x_m, plot.y_m, plot.z_m, scan.x, scan.y, scan.z, thick, colour);

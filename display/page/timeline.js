@@ -1,9 +1,20 @@
 // The time line of a recording: play, pause, speed, steps, jumps.
 
-import { element, setText } from "./element.js";
+import { drawing, element, setText } from "./element.js";
 import { clock, elapsed, quantity } from "./format.js";
 
 const RATES = [0.25, 0.5, 1, 2, 4, 8, 16, 32];
+/** Drawings of the buttons, in a square of 16. */
+const ICONS = {
+  play: "M4 2v12l10-6z",
+  pause: "M3 2h4v12H3zM9 2h4v12H9z",
+  eventBefore: "M2 2h2v12H2zM14 2v12L5 8z",
+  nextEvent: "M12 2h2v12h-2zM2 2v12l9-6z",
+  scanBack: "M8 3v10L1 8zM15 3v10L8 8z",
+  scanOn: "M1 3v10l7-5zM8 3v10l7-5z",
+  sectorBack: "M11 3v10L4 8z",
+  sectorOn: "M5 3v10l7-5z",
+};
 /** While the hand drags, the server is asked for another time at most this often, ms. */
 const SEEK_MS = 120;
 
@@ -11,8 +22,8 @@ export class Timeline {
   constructor(section, send, events) {
     Object.assign(this, { section, send, events });
     this.now = { at_s: NaN, playing: false, rate: 1 };
-    const button = (label, text, act) => element("button", { type: "button", "aria-label": label, title: label, onclick: act }, text);
-    this.play = button("Play", "▶", () => this.toggle());
+    const button = (label, icon, act) => element("button", { type: "button", "aria-label": label, title: label, onclick: act }, drawing(ICONS[icon]));
+    this.play = button("Play", "play", () => this.toggle());
     this.slider = element("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0, "aria-label": "Time in the recording" });
     this.slider.addEventListener("input", () => this.#drag());
     this.ticks = element("canvas", { class: "ticks", "aria-hidden": "true" });
@@ -21,13 +32,13 @@ export class Timeline {
     this.rate.addEventListener("change", () => this.send({ play: Number(this.rate.value) }));
     this.clock = element("output", { class: "clock" });
     section.append(
-      button("Event before", "⏮", () => this.jump(-1)),
-      button("Scan back", "«", () => this.step("scan", -1)),
-      button("Sector back", "‹", () => this.step("sector", -1)),
+      button("Event before", "eventBefore", () => this.jump(-1)),
+      button("Scan back", "scanBack", () => this.step("scan", -1)),
+      button("Sector back", "sectorBack", () => this.step("sector", -1)),
       this.play,
-      button("Sector on", "›", () => this.step("sector", 1)),
-      button("Scan on", "»", () => this.step("scan", 1)),
-      button("Next event", "⏭", () => this.jump(1)),
+      button("Sector on", "sectorOn", () => this.step("sector", 1)),
+      button("Scan on", "scanOn", () => this.step("scan", 1)),
+      button("Next event", "nextEvent", () => this.jump(1)),
       this.rate,
       element("div", { class: "track" }, this.ticks, this.slider),
       this.clock,
@@ -44,11 +55,11 @@ export class Timeline {
 
   hear(message) {
     this.now = message;
-    setText(this.play, message.playing ? "⏸" : "▶");
     const label = message.playing ? "Pause" : "Play";
     if (this.play.title !== label) {
       this.play.title = label;
       this.play.setAttribute("aria-label", label);
+      this.play.replaceChildren(drawing(ICONS[message.playing ? "pause" : "play"]));
     }
     const rate = String(message.rate);
     if (document.activeElement !== this.rate && RATES.includes(message.rate)) this.rate.value = rate;

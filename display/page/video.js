@@ -27,13 +27,13 @@ const FRAGMENT = `
 in vec2 v_turn;
 flat in float v_glow;
 uniform sampler2D u_level;
-uniform vec3 u_cells;       // first range, one over the extent of ranges, one over the lines
+uniform vec3 u_cells;       // first range, one over the step of ranges, ranges
 uniform vec2 u_contrast;    // level that is black, one over the levels up to full
 uniform vec3 u_weak, u_strong;
 out vec4 o_colour;
 void main() {
-  vec2 cell = vec2((v_turn.y - u_cells.x) * u_cells.y, v_turn.x / v_turn.y * u_cells.z);
-  float level = clamp((texture(u_level, cell).r - u_contrast.x) * u_contrast.y, 0.0, 1.0);
+  ivec2 cell = ivec2(min((v_turn.y - u_cells.x) * u_cells.y, u_cells.z - 1.0), v_turn.x / v_turn.y);
+  float level = clamp((texelFetch(u_level, cell, 0).r - u_contrast.x) * u_contrast.y, 0.0, 1.0);
   float alpha = level * v_glow;
   o_colour = vec4(mix(u_weak, u_strong, level * level) * alpha, alpha);
 }`;
@@ -81,7 +81,7 @@ export class VideoProgram {
     const extent = range_step_m * ranges;
     // The innermost point has no azimuth: wedges begin a little outside it.
     gl.uniform4f(of.u_site, site.origin_m[0], site.origin_m[1], Math.max(first, 1e-4 * extent), first + extent);
-    gl.uniform3f(of.u_cells, first, 1 / extent, 1 / screen.lines);
+    gl.uniform3f(of.u_cells, first, 1 / range_step_m, ranges);
     gl.uniform3f(of.u_glow, how.now, how.steady ? 1e9 : AFTERGLOW_SCANS * site.scan_period_s, 0.03);
     gl.uniform2f(of.u_lines, screen.lines, screen.lines_per_wedge);
     const black = screen.noise + (FLOOR_DB - how.gain_db) / db_step;
