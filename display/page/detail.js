@@ -27,9 +27,8 @@ export class Detail {
     this.errorTitle = element("h3", {}, "Errors against truth");
     this.errors = AXES.map(([, name]) => [element("span", { class: "axis" }), new Chart(`Error ${name.toLowerCase()}`, 40)]);
     this.errorBox = element("div", { class: "errors" }, ...this.errors.flatMap(([text, chart]) => [text, chart.canvas]));
+    section.prepend(element("div", { class: "detail-head" }, this.title, this.life, close), this.facts.list);
     section.append(
-      element("div", { class: "detail-head" }, this.title, this.life, close),
-      this.facts.list,
       this.state.table,
       element("h3", {}, "Models"), this.models.canvas, this.modelNames,
       element("h3", {}, "Gate and plots"), this.gate, this.used.table,

@@ -9,9 +9,12 @@ const NEWS_MS = 4000;
 const WORDS = { confirmed: "confirmed", ended: "ended", restart: "restart", over_budget: "over budget", warning: "warning", command: "command" };
 
 export class Events {
-  /** @param {(event: object) => void} onChoose */
-  constructor(onChoose) {
-    this.onChoose = onChoose;
+  /**
+   * @param {(event: object) => void} onChoose
+   * @param {(text: string) => void} onTell shows it on the picture
+   */
+  constructor(onChoose, onTell) {
+    Object.assign(this, { onChoose, onTell });
     this.list = byId("events");
     this.news = byId("news");
     this.clear();
@@ -45,6 +48,14 @@ export class Events {
     setText(this.news, length > 1 ? `${last.text}, and ${length - 1} more events` : last.text);
     this.unsaid = [];
     this.said_ms = now_ms;
+  }
+
+  /** Says at once what has come of a command. */
+  tell(text) {
+    setText(this.news, text);
+    this.said_ms = performance.now();
+    this.list.prepend(element("li", {}, element("time", {}, clock(Date.now() / 1000, 1)), element("span", { class: "kind" }, "here"), element("span", {}, text)));
+    this.onTell(text);
   }
 
   #row(event) {

@@ -6,8 +6,9 @@ const CLICK_PX = 4;
 const REACH_PX = 16;
 
 export class Hand {
-  constructor(plan, scene, onChoose) {
-    Object.assign(this, { plan, scene, onChoose });
+  /** @param {(x: number, y: number, track: object | null) => void} onClick with the place and the track under it */
+  constructor(plan, scene, onClick) {
+    Object.assign(this, { plan, scene, onClick });
     /** Where the pressed pointers are. */
     this.down = new Map();
     this.moved = 0;
@@ -16,18 +17,18 @@ export class Hand {
     for (const kind of ["pointerup", "pointercancel"]) plan.addEventListener(kind, (event) => this.#release(event));
     plan.addEventListener("pointerleave", () => this.#hover(null));
     plan.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
-    plan.addEventListener("dblclick", (event) => scene.view.zoom(2, ...at(event)));
+    plan.addEventListener("dblclick", (event) => scene.view.zoom(2, ...this.#at(event)));
   }
 
   #press(event) {
     if (event.button !== 0) return;
     this.plan.setPointerCapture(event.pointerId);
-    this.down.set(event.pointerId, at(event));
+    this.down.set(event.pointerId, this.#at(event));
     if (this.down.size === 1) this.moved = 0;
   }
 
   #move(event) {
-    const [px, py] = at(event);
+    const [px, py] = this.#at(event);
     const before = this.down.get(event.pointerId);
     if (!before) {
       if (this.down.size === 0) this.#hover(this.#under(px, py));
@@ -48,14 +49,16 @@ export class Hand {
 
   #release(event) {
     if (this.down.delete(event.pointerId) && event.type === "pointerup" && this.moved <= CLICK_PX) {
-      this.onChoose(this.#under(...at(event)));
+      const [px, py] = this.#at(event);
+      const { view } = this.scene;
+      this.onClick(view.metreX(px), view.metreY(py), this.#under(px, py));
     }
   }
 
   #wheel(event) {
     event.preventDefault();
     const lines = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 30 : 1;
-    this.scene.view.zoom(Math.exp(-0.0015 * lines * event.deltaY), ...at(event));
+    this.scene.view.zoom(Math.exp(-0.0015 * lines * event.deltaY), ...this.#at(event));
   }
 
   #under(px, py) {
@@ -69,6 +72,9 @@ export class Hand {
     this.scene.view.version += 1;
     this.plan.classList.toggle("over", Boolean(track));
   }
-}
 
-const at = (event) => [event.offsetX, event.offsetY];
+  /** Where the pointer is, in the units of the view. */
+  #at({ offsetX, offsetY }) {
+    return [offsetX / this.scene.unit, offsetY / this.scene.unit];
+  }
+}

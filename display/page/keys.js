@@ -19,6 +19,7 @@ const COMMANDS = [
   { keys: ["0"], words: "show everything", act: "zoomAll" },
   { keys: ["c"], words: "keep the chosen track in the centre", act: "centre" },
   { keys: ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"], shown: "arrows", words: "pan, with the focus on the plan", act: "pan", plan: true },
+  { keys: ["Enter"], words: "acquire or corner of a zone in the centre of the plan", act: "point", plan: true },
   { keys: ["l"], words: "layers", act: "layers" },
   { keys: ["v"], words: "radar video on or off", act: "toggle", layer: "video" },
   { keys: ["o"], words: "plots on or off", act: "toggle", layer: "plots" },
@@ -79,14 +80,14 @@ export class Keys {
     const forms = element("ul", { class: "forms" }, ...FORMS.map(([form, words]) => element("li", {}, element("span", { class: `form ${form}`, "aria-hidden": "true" }), words)));
     this.help.append(
       element("h2", { id: "help-title" }, "Help"),
-      element("p", {}, "Drag pans, the wheel zooms, a click chooses a track. The dashed circle of the beam shows the sector being scanned."),
+      element("p", {}, "Drag pans, the wheel zooms, a click chooses a track. The thick arc at the rim is the sector being scanned."),
       element("h3", {}, "Forms"),
       forms,
       element("p", {}, "Line: where the target will be in ten scans. Ellipse: holds the target with 95 %. Small circles at the chosen track: plots of its last scans, the larger the heavier."),
       element("h3", {}, "Keys"),
       keys,
       element("label", { class: "check" }, letters, " single letters are commands everywhere, not only on the plan"),
-      element("form", { method: "dialog" }, element("button", {}, "Close")),
+      element("form", { method: "dialog" }, element("button", { autofocus: true }, "Close")),
     );
   }
 }

@@ -74,20 +74,21 @@ export class Labels {
   #put(track, full, measure) {
     const first = OFFSETS[track.corner ?? 0];
     if (this.crowd && !this.#free(track.px + first[0], track.py + first[1], 1, 1)) return;
-    const lines = textOf(track, full);
-    const width = Math.max(...lines.map(measure));
-    const height = LINE_PX * lines.length;
     const away = this.crowd ? DISTANCE_PX : 0;
     const tries = this.crowd ? [first] : [first, ...OFFSETS];
-    for (const offset of tries) {
-      const [dx, dy] = offset;
-      const left = dx > 0 ? track.px + dx : track.px + dx - width;
-      const top = dy < 0 ? track.py + dy - height + LINE_PX / 2 : track.py + dy - LINE_PX / 2;
-      if (!this.#free(left, top, width, height)) continue;
-      this.#claim(left - away, top - away, width + 2 * away, height + 2 * away);
-      track.corner = OFFSETS.indexOf(offset);
-      this.placed.push({ track, px: left, py: top, lines });
-      return;
+    for (const lines of full ? [textOf(track, true), textOf(track, false)] : [textOf(track, false)]) {
+      const width = Math.max(...lines.map(measure));
+      const height = LINE_PX * lines.length;
+      for (const offset of tries) {
+        const [dx, dy] = offset;
+        const left = dx > 0 ? track.px + dx : track.px + dx - width;
+        const top = dy < 0 ? track.py + dy - height + LINE_PX / 2 : track.py + dy - LINE_PX / 2;
+        if (!this.#free(left, top, width, height)) continue;
+        this.#claim(left - away, top - away, width + 2 * away, height + 2 * away);
+        track.corner = OFFSETS.indexOf(offset);
+        this.placed.push({ track, px: left, py: top, lines });
+        return;
+      }
     }
   }
 

@@ -2,6 +2,7 @@
 
 import { ChainView } from "./chain.js";
 import { Colours } from "./colours.js";
+import { Control } from "./control.js";
 import { Detail } from "./detail.js";
 import { byId, setText } from "./element.js";
 import { Events } from "./events.js";
@@ -37,9 +38,10 @@ const want = new Want(scene, send);
 const frames = new Frames();
 const chain = new ChainView(scene);
 const layers = new Layers(settings);
-const events = new Events(chooseOfEvent);
+const events = new Events(chooseOfEvent, toast);
 const timeline = new Timeline(byId("timeline"), send, events);
 const list = new TrackList(scene, choose);
+const control = new Control(scene, (text) => events.tell(text));
 let shown = "picture";
 let dropped = 0;
 let linkText = "";
@@ -53,6 +55,7 @@ const hearers = {
     timeline.start(message);
     events.clear();
     facts.start(message);
+    control.start(message);
     layers.start({ sites: message.sites, hasSystem: message.stages.some(({ outputs }) => outputs.includes("system-tracks") || outputs.includes("system_tracks")) || message.sites.length > 1 });
     cover(message.sites);
     if (!again) view.fit();
@@ -118,6 +121,15 @@ function noticeText() {
   return "";
 }
 
+/** A line at the foot of the plan that goes away by itself. */
+function toast(text) {
+  const box = byId("toast");
+  setText(box, text);
+  box.hidden = false;
+  clearTimeout(toast.timer);
+  toast.timer = setTimeout(() => (box.hidden = true), 6000);
+}
+
 /** The view shows the coverage of all sites. */
 function cover(sites) {
   if (sites.length === 0) return;
@@ -171,7 +183,10 @@ const actions = {
   showChain: () => show("chain"),
   nextTrack: () => selection.step(1, list.order()),
   previousTrack: () => selection.step(-1, list.order()),
-  chooseNone: () => choose(null),
+  chooseNone() {
+    if (!control.leave()) choose(null);
+  },
+  point: () => control.point(view.x, view.y),
   find() {
     show("picture");
     byId("find").focus();
@@ -199,7 +214,9 @@ const actions = {
   event: (key) => timeline.jump(key === "]" ? 1 : -1),
 };
 const keys = new Keys(settings, actions);
-new Hand(parts.plan, scene, choose);
+new Hand(parts.plan, scene, (x, y, track) => {
+  if (!control.point(x, y)) choose(track);
+});
 for (const [id, act] of Object.entries({
   "show-picture": "showPicture", "show-chain": "showChain", theme: "scheme", "help-button": "help",
   "zoom-in": "zoomIn", "zoom-out": "zoomOut", "zoom-all": "zoomAll", centre: "centre",
@@ -233,7 +250,7 @@ function frame(now_ms) {
   if (scene.following && track && (track.x_m !== view.x || track.y_m !== view.y)) view.centre(track.x_m, track.y_m);
   want.update(now_ms, shown === "picture");
   const drawn = shown === "picture" && ppi.frame(now_ms);
-  frames.note(now_ms, drawn);
+  if (frames.note(now_ms, drawn) && frames.slow && shown === "picture" && !document.hidden) ppi.coarsen();
   if (drawn) latency.afterDrawing();
   else if (shown !== "picture") latency.forget();
   if (now_ms - panels_ms > PANEL_MS) {
@@ -266,6 +283,6 @@ window.radarChain = {
   where(site, id) {
     const track = picture.tracks.get(`${site}/${id}`);
     const { left, top } = parts.plan.getBoundingClientRect();
-    return track && { x: left + view.screenX(track.x_m), y: top + view.screenY(track.y_m) };
+    return track && { x: left + scene.unit * view.screenX(track.x_m), y: top + scene.unit * view.screenY(track.y_m) };
   },
 };

@@ -18,6 +18,8 @@ const LABELS_MS = 90;
 const CROWD = 20_000;
 /** More device pixels than this to one of CSS cost time and show nothing. */
 const MOST_RATIO = 2;
+/** A picture of fewer pixels is not made coarser. */
+const FEWEST_PIXELS = 1_200_000;
 
 export class Ppi {
   /**
@@ -30,6 +32,7 @@ export class Ppi {
     scene.heights = new Heights();
     this.labels = new Labels();
     this.drawn = { versions: "", still: "", beam_ms: -Infinity, labels_ms: -Infinity };
+    this.fineness = 1;
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
     parts.ground.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
@@ -65,7 +68,8 @@ export class Ppi {
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.enable(gl.SCISSOR_TEST);
-    this.drawn.versions = "";
+    Object.assign(this.drawn, { versions: "", still: "" });
+    if (this.plan) this.#measure();
   }
 
   addVideo(message) {
@@ -78,26 +82,36 @@ export class Ppi {
     this.video?.clear();
   }
 
+  /** Half as fine, once, where a slow renderer cannot keep up with that many pixels. */
+  coarsen() {
+    if (this.fineness < 1 || this.parts.ground.width * this.parts.ground.height < FEWEST_PIXELS) return;
+    this.fineness = 0.5;
+    this.#measure();
+  }
+
+  /** Sizes. The unit of everything drawn is a pixel of CSS, larger where the text of the page is larger. */
   #measure() {
     const { stage, ground, plan, heights } = this.parts;
-    const ratio = Math.min(MOST_RATIO, devicePixelRatio || 1);
+    const unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
+    const ratio = Math.min(MOST_RATIO, devicePixelRatio || 1) * this.fineness;
     const whole = stage.getBoundingClientRect();
     const of = (element) => {
       const { left, top, width, height } = element.getBoundingClientRect();
-      return { left: left - whole.left, top: top - whole.top, width, height };
+      return { left: (left - whole.left) / unit, top: (top - whole.top) / unit, width: width / unit, height: height / unit };
     };
-    this.ratio = ratio;
-    this.whole = whole;
+    this.scene.unit = unit;
+    this.ratio = ratio * unit;
+    this.height = whole.height / unit;
     this.plan = of(plan);
     this.below = of(heights);
     ground.width = Math.round(whole.width * ratio);
     ground.height = Math.round(whole.height * ratio);
-    for (const text of [this.text, this.heightText]) text?.resize(ratio);
+    for (const text of [this.text, this.heightText]) text?.resize(this.ratio);
     const [, , width, height] = this.scene.heights.inner(this.below.width, this.below.height);
-    this.planDots?.resize(this.plan.width * ratio, this.plan.height * ratio);
-    this.heightDots?.resize(width * ratio, height * ratio);
+    this.planDots?.resize(this.plan.width * this.ratio, this.plan.height * this.ratio);
+    this.heightDots?.resize(width * this.ratio, height * this.ratio);
     this.scene.view.resize(this.plan.width, this.plan.height);
-    this.drawn.versions = "";
+    Object.assign(this.drawn, { versions: "", still: "" });
   }
 
   /** Draws if anything has changed, and says whether it has. */
@@ -228,10 +242,10 @@ export class Ppi {
     this.text.draw(place, colours.rgb.ground);
   }
 
-  /** Draws into this part of the picture from now on; pixels of CSS from the upper left. */
+  /** Draws into this part of the picture from now on; from the upper left. */
   #area(left, top, width, height) {
-    const { gl, ratio, whole } = this;
-    const at = [left, whole.height - top - height, width, height].map((px) => Math.round(px * ratio));
+    const { gl, ratio } = this;
+    const at = [left, this.height - top - height, width, height].map((px) => Math.round(px * ratio));
     gl.viewport(...at);
     gl.scissor(...at);
   }

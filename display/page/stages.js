@@ -3,6 +3,10 @@
 import { element, setText, svg } from "./element.js";
 import { number, percent, quantity } from "./format.js";
 
+/** Where lines past other boxes run, from the edge, and how round they turn. */
+const RAIL_PX = 8;
+const BEND_PX = 6;
+
 /** Processes of all sites from `status`, which has one level more where there are several sites. */
 export function processesOf(status) {
   const flat = Object.values(status).some((of) => of && typeof of === "object" && "pid" in of);
@@ -27,6 +31,7 @@ export class Stages {
       const column = depth(stage, hello.stages);
       if (!columns.has(column)) columns.set(column, element("div", { class: "column" }));
       const card = new Card(stage, hello.sites.length > 1);
+      card.column = column;
       this.cards.push(card);
       columns.get(column).append(card.box);
     }
@@ -51,7 +56,7 @@ export class Stages {
       for (const to of this.cards) {
         const topics = from.stage.outputs.filter((topic) => to.stage.inputs.includes(topic));
         const meet = !from.stage.site || !to.stage.site || from.stage.site === to.stage.site || to.stage.name === "fusion";
-        if (topics.length > 0 && meet && from !== to) edges.push(path(from.box, to.box, whole, to.stage.observer));
+        if (topics.length > 0 && meet && from !== to) edges.push(...edge(from, to, whole, topics));
       }
     }
     this.wires.setAttribute("viewBox", `0 0 ${whole.width} ${whole.height}`);
@@ -68,12 +73,23 @@ function depth(stage, all, seen = []) {
   return before.length ? 1 + Math.max(...before.map((other) => depth(other, all, [...seen, stage]))) : 0;
 }
 
-function path(from, to, whole, observer) {
-  const [a, b] = [from.getBoundingClientRect(), to.getBoundingClientRect()];
-  const [x0, y0] = [a.right - whole.left, a.top + a.height / 2 - whole.top];
-  const [x1, y1] = [b.left - whole.left, b.top + b.height / 2 - whole.top];
-  const bend = Math.max(12, (x1 - x0) / 2);
-  return svg("path", { d: `M${x0} ${y0}C${x0 + bend} ${y0} ${x1 - bend} ${y1} ${x1} ${y1}`, class: observer ? "observer" : "" });
+/** A line to the next column with the names of its topics; to columns further on above the boxes, for observers below. */
+function edge(from, to, whole, topics) {
+  const [a, b] = [from.box.getBoundingClientRect(), to.box.getBoundingClientRect()];
+  const { observer } = to.stage;
+  const kind = observer ? "observer" : "";
+  if (to.column - from.column === 1 && !observer) {
+    const [x0, y0] = [a.right - whole.left, a.top + a.height / 2 - whole.top];
+    const [x1, y1] = [b.left - whole.left, b.top + b.height / 2 - whole.top];
+    const middle = (x0 + x1) / 2;
+    const name = svg("text", { x: middle, y: (y0 + y1) / 2 - 5 }, topics[0]);
+    return [svg("path", { d: `M${x0} ${y0}C${middle} ${y0} ${middle} ${y1} ${x1} ${y1}`, class: kind }), ...(Math.abs(y1 - y0) < 40 ? [name] : [])];
+  }
+  const rail = observer ? whole.height - RAIL_PX : RAIL_PX;
+  const [y0, y1] = (observer ? [a.bottom, b.bottom] : [a.top, b.top]).map((y) => y - whole.top);
+  const [x0, x1] = [a.left + a.width / 2 - whole.left, b.left + b.width / 2 - whole.left];
+  const turn = Math.sign(y0 - rail) * BEND_PX;
+  return [svg("path", { d: `M${x0} ${y0}V${rail + turn}Q${x0} ${rail} ${x0 + BEND_PX} ${rail}H${x1 - BEND_PX}Q${x1} ${rail} ${x1} ${rail + turn}V${y1}`, class: kind })];
 }
 
 /** One stage: its condition, what it reads and sends, what it has lost. */

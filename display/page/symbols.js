@@ -28,7 +28,7 @@ export class Symbols {
   }
 
   /** Everything anew, for what is inside the view; dots go into the images. */
-  fill({ picture, view, colours, layers, selection, hovered }, images, ratio) {
+  fill({ picture, view, colours, layers, selection, hovered, zones, draft }, images, ratio) {
     Object.assign(this, { picture, view, colours, layers, images });
     this.lines.clear();
     this.heightLines.clear();
@@ -39,6 +39,7 @@ export class Symbols {
     this.sees = (x, y) => Math.abs(x - view.x) < reach_x && Math.abs(y - view.y) < reach_y;
     this.size = this.#size();
     this.dot = Math.round(DOT_PX * ratio);
+    this.#zones(zones, draft);
     if (layers.errors && layers.plots) this.#bars();
     if (layers.truth && this.size >= SMALLEST_FORM_PX) this.#truth();
     this.#used(selection);
@@ -107,6 +108,23 @@ export class Symbols {
       lines.line(x - across * c, y + across * s, 0, x + across * c, y - across * s, 0, 1, colour);
       left -= 1;
     }
+  }
+
+  /** Zones of the operator, and the one that is being drawn. */
+  #zones(zones, draft) {
+    const { lines, colours } = this;
+    const outline = (corners, closed, width, colour) => {
+      corners.forEach(([x, y], i) => {
+        const next = corners[i + 1] ?? (closed ? corners[0] : null);
+        if (next) lines.line(x, y, 0, next[0], next[1], 0, width, colour);
+      });
+    };
+    for (const { kind, polygon_m } of zones) {
+      const exclusion = kind === "exclusion";
+      outline(polygon_m, true, exclusion ? 1.6 : -1.6, colours.packed(exclusion ? "coasting" : "confirmed"));
+    }
+    outline(draft, false, 1.6, colours.packed("chosen"));
+    for (const [x, y] of draft) this.marks.mark(x, y, 0, 8, MARK.used, colours.packed("chosen"));
   }
 
   #truth() {
