@@ -33,6 +33,7 @@ export class ChainView {
 
   hear({ status, time_s }) {
     this.latest = processesOf(status ?? {});
+    this.status = status;
     for (const { key, of } of this.latest) {
       for (const [name, { p99 }] of Object.entries(of.latency_us ?? {})) {
         const id = `${key}.${name}`;
@@ -49,6 +50,8 @@ export class ChainView {
   update(shown) {
     if (!shown || !this.fresh) return;
     this.fresh = false;
+    /** The report that is on the screen. */
+    this.shown = this.status;
     this.stages.update(this.latest, this.before);
     this.before = new Map(this.latest.map(({ key, of }) => [key, of]));
     this.#latencies();

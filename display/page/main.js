@@ -273,6 +273,10 @@ window.radarChain = {
   get tracks() {
     return [...picture.tracks.values()].map(({ site, id, state, x_m, y_m, z_m, time_s }) => ({ site, id, state, x_m, y_m, z_m, time_s }));
   },
+  /** What the view of the chain shows, as it came. */
+  get status() {
+    return chain.shown;
+  },
   get dropped() {
     return dropped;
   },
