@@ -4,7 +4,7 @@ import { ServerClock } from "./clock.js";
 import { decode } from "./wire.js";
 
 const FIRST_PAUSE_MS = 500;
-const LONGEST_PAUSE_MS = 10_000;
+const LONGEST_PAUSE_MS = 5000;
 const PING_MS = 2000;
 /** Without an answer for so long the connection is taken for dead. */
 const SILENCE_MS = 8000;
@@ -41,7 +41,7 @@ export class Link {
   }
 
   #open() {
-    this.onState("connecting", "Connecting");
+    this.onState("connecting", "");
     const socket = new WebSocket(this.address);
     this.socket = socket;
     socket.binaryType = "arraybuffer";
@@ -74,7 +74,7 @@ export class Link {
     }
     if (message.type === "hello") {
       this.pause_ms = FIRST_PAUSE_MS;
-      this.onState("open", "Connected");
+      this.onState("open", "");
     }
     this.onMessage(message, arrived);
   }
@@ -83,7 +83,7 @@ export class Link {
     // Some jitter: the pages of a restarted server do not come back all at once.
     const pause = this.pause_ms * (0.75 + 0.5 * Math.random());
     this.pause_ms = Math.min(2 * this.pause_ms, LONGEST_PAUSE_MS);
-    this.onState("lost", `Connection lost, trying again in ${Math.max(1, Math.round(pause / 1000))} s`);
+    this.onState("lost", `trying again in ${Math.max(1, Math.round(pause / 1000))} s`);
     setTimeout(() => this.#open(), pause);
   }
 

@@ -22,6 +22,7 @@ import { Timeline } from "./timeline.js";
 import { View } from "./view.js";
 import { Want } from "./want.js";
 
+const LINK_WORDS = { connecting: "Connecting", open: "Connected", lost: "Connection lost" };
 /** Numbers beside the picture change so often, ms: slow enough to be read. */
 const PANEL_MS = 200;
 
@@ -44,6 +45,7 @@ const list = new TrackList(scene, choose);
 const control = new Control(scene, (text) => events.tell(text));
 let shown = "picture";
 let dropped = 0;
+let linkState = "connecting";
 let linkText = "";
 
 const hearers = {
@@ -94,7 +96,9 @@ const link = new Link(
   // Kinds that a newer server may send are none of this page's business.
   (message, arrived_ms) => hearers[message.type]?.(message, arrived_ms),
   (state, text) => {
-    linkText = text;
+    // An attempt to come back is no news until it succeeds.
+    if (state === "connecting" && linkState === "lost") return;
+    [linkState, linkText] = [state, text];
     byId("link").dataset.state = state;
     document.body.classList.toggle("lost", state === "lost");
     if (state === "lost") dropped = 0;
@@ -106,17 +110,18 @@ const facts = new Facts(picture, latency);
 const detail = new Detail(byId("detail"), scene, latency, () => choose(null));
 
 function showLink() {
-  setText(byId("link"), dropped ? `${linkText}, ${dropped} messages dropped` : linkText);
+  const text = LINK_WORDS[linkState];
+  setText(byId("link"), dropped ? `${text}, ${dropped} messages dropped` : text);
   const notice = byId("notice");
-  const text = noticeText();
-  notice.hidden = text === "";
-  setText(notice, text);
+  const words = noticeText();
+  notice.hidden = words === "";
+  setText(notice, words);
 }
 
 /** What the reader has to know to understand what is, or is not, on the screen. */
 function noticeText() {
   if (!ppi.works) return "This browser has no WebGL 2, which the picture needs. The list of tracks and the view of the chain work without it.";
-  if (byId("link").dataset.state === "lost") return `${linkText}. What you see is the last that came.`;
+  if (linkState === "lost") return `Connection lost, ${linkText}. What you see is the last that came.`;
   if (picture.hello && Number.isNaN(picture.epoch_s)) return "Connected. No data of a radar have come yet.";
   return "";
 }
