@@ -21,7 +21,8 @@ in vec2 v_at;
 uniform sampler2D u_image;
 out vec4 o_colour;
 void main() {
-  o_colour = texelFetch(u_image, ivec2(v_at), 0);
+  vec4 colour = texelFetch(u_image, ivec2(v_at), 0);
+  o_colour = vec4(colour.rgb * colour.a, colour.a);
 }`;
 
 /** Steps in which a point fades. */
@@ -55,7 +56,6 @@ export class DotProgram {
 class Dots {
   constructor(gl) {
     this.gl = gl;
-    this.shades = new Uint32Array(SHADES + 1);
     this.resize(1, 1);
   }
 
@@ -86,22 +86,7 @@ class Dots {
     this.changed = true;
   }
 
-  /**
-   * The points of a ring: they fade from `alpha` to nothing in `life` seconds.
-   * @param {{now: number, life: number, alpha: number, size: number, rgb: number[]}} how size in device pixels
-   */
-  ring(ring, { now, life, alpha, size, rgb }) {
-    for (let i = 0; i <= SHADES; i += 1) this.shades[i] = shade(rgb, alpha * Math.min(1, (1.3 * i) / SHADES));
-    const { values } = ring;
-    ring.runs(ring.first, ring.added, (from, count) => {
-      for (let at = from * POINT; at < (from + count) * POINT; at += POINT) {
-        const left = 1 - (now - values[at + 3]) / life;
-        if (left > 0) this.point(values[at], values[at + 1], values[at + 2], size, this.shades[left < 1 ? Math.ceil(left * SHADES) : SHADES]);
-      }
-    });
-  }
-
-  /** One point, its colour times its opacity with red in the lowest byte. This is the inner loop: plain numbers only. */
+  /** One point; a colour has red in its lowest byte. This is the inner loop: plain numbers only. */
   point(x, y, z, size, colour) {
     const { width, pixels, low, high } = this;
     let u = x;
@@ -138,8 +123,23 @@ class Dots {
   }
 }
 
-/** Red, green, blue times the opacity, as the blending expects them, in four bytes. */
-function shade([r, g, b], alpha) {
-  const byte = (share) => Math.round(255 * alpha * share);
-  return ((byte(1) << 24) | (byte(b) << 16) | (byte(g) << 8) | byte(r)) >>> 0;
+const shades = new Uint32Array(SHADES + 1);
+
+/**
+ * The points of a ring, which fade to nothing in `life` seconds, by calls of `target.point`.
+ * @param {{now: number, life: number, alpha: number, size: number, rgb: number[]}} how `alpha` of the youngest
+ */
+export function fadingPoints(ring, { now, life, alpha, size, rgb }, target) {
+  const [r, g, b] = rgb.map((share) => Math.round(255 * share));
+  for (let i = 0; i <= SHADES; i += 1) {
+    const opacity = Math.round(255 * alpha * Math.min(1, (1.3 * i) / SHADES));
+    shades[i] = ((opacity << 24) | (b << 16) | (g << 8) | r) >>> 0;
+  }
+  const { values } = ring;
+  ring.runs(ring.first, ring.added, (from, count) => {
+    for (let at = from * POINT; at < (from + count) * POINT; at += POINT) {
+      const left = 1 - (now - values[at + 3]) / life;
+      if (left > 0) target.point(values[at], values[at + 1], values[at + 2], size, shades[left < 1 ? Math.ceil(left * SHADES) : SHADES]);
+    }
+  });
 }

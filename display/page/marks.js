@@ -3,7 +3,7 @@
 import { PLACE, program, Records, RECORDS, use } from "./gl.js";
 
 /** Forms by their number in the shader. */
-export const MARK = { tentative: 0, confirmed: 1, coasting: 2, ended: 3, truth: 4, system: 5, used: 6, chosen: 7 };
+export const MARK = { tentative: 0, confirmed: 1, coasting: 2, ended: 3, truth: 4, system: 5, used: 6, chosen: 7, dot: 8 };
 /** Form of a track by the number of its life state. */
 export const OF_STATE = [MARK.tentative, MARK.confirmed, MARK.coasting, MARK.ended];
 
@@ -44,7 +44,8 @@ void main() {
   else if (v_form == 4) d = max(min(q.x, q.y), max(q.x, q.y) - r);           // plus
   else if (v_form == 5) d = abs(max(q.x * 0.866 + q.y * 0.5, q.y) - 0.86 * r); // hexagon
   else if (v_form == 6) d = abs(length(p) - r);                              // circle
-  else d = max(abs(max(q.x, q.y) - r), 0.55 * r - min(q.x, q.y));            // corners
+  else if (v_form == 7) d = max(abs(max(q.x, q.y) - r), 0.55 * r - min(q.x, q.y)); // corners
+  else d = 0.0;                                                              // dot
   float cover = clamp(pen - d + 0.5, 0.0, 1.0);
   float alpha = v_colour.a * cover;
   o_colour = vec4(v_colour.rgb * alpha, alpha);
@@ -90,5 +91,10 @@ class Marks {
     floats[at + 3] = size;
     words[at + 4] = form;
     words[at + 5] = colour;
+  }
+
+  /** A square dot. */
+  point(x, y, z, size, colour) {
+    this.mark(x, y, z, size, MARK.dot, colour);
   }
 }

@@ -1,6 +1,6 @@
 // The picture itself: what is drawn in which order, and when it has to be drawn again.
 
-import { DotProgram } from "./dots.js";
+import { DotProgram, fadingPoints } from "./dots.js";
 import { Glyphs } from "./glyphs.js";
 import { Heights } from "./heights.js";
 import { MarkProgram } from "./marks.js";
@@ -16,6 +16,8 @@ const BEAM_MS = 30;
 const LABELS_MS = 90;
 /** More plots than this are smaller and fainter ones. */
 const CROWD = 20_000;
+/** Fewer plots and points of trails than this are drawn one by one. */
+const FEW = 1500;
 /** More device pixels than this to one of CSS cost time and show nothing. */
 const MOST_RATIO = 2;
 /** A picture of fewer pixels is not made coarser. */
@@ -59,6 +61,7 @@ export class Ppi {
     this.dots = new DotProgram(gl);
     this.planDots = this.dots.image();
     this.heightDots = this.dots.image();
+    this.fewDots = this.marks.batch();
     this.scale = this.strokes.batch();
     this.beam = this.strokes.batch();
     this.axes = this.strokes.batch();
@@ -148,11 +151,16 @@ export class Ppi {
     scene.main = main;
     if (layers.heights && scene.heights.fit(main, picture)) this.drawn.still = "";
     this.#place();
-    const images = layers.heights ? [this.planDots, this.heightDots] : [this.planDots];
     this.planDots.begin(this.planPlace);
     this.heightDots.begin(this.sidePlace);
-    for (const image of images) this.#fillDots(image);
-    this.symbols.fill(scene, images, this.ratio);
+    this.fewDots.clear();
+    this.#fillDots();
+    this.symbols.fill(scene, this.#images(), this.ratio);
+  }
+
+  /** Where dots are written. */
+  #images() {
+    return this.scene.layers.heights ? [this.planDots, this.heightDots] : [this.planDots];
   }
 
   /** Where metres are on the screen, in both parts of the picture. */
@@ -167,14 +175,22 @@ export class Ppi {
     this.sidePlace = heights.place(this.sideArea[2], this.sideArea[3], ratio);
   }
 
-  #fillDots(image) {
+  /** Plots and trails: a few as symbols, many as images, for an image costs as much with one dot as with all. */
+  #fillDots() {
     const { picture, colours, layers } = this.scene;
-    const { plot_s, trail_s } = picture.lives;
-    const now = picture.latest_s;
-    const crowd = picture.plots.added - picture.plots.first > CROWD;
-    const size = (px) => Math.max(1, Math.round(px * this.ratio));
-    if (layers.trails) image.ring(picture.trail, { now, life: crowd ? trail_s / 4 : trail_s, alpha: crowd ? 0.4 : 0.75, size: size(crowd ? 1 : 2), rgb: colours.rgb.confirmed });
-    if (layers.plots) image.ring(picture.plots, { now, life: plot_s, alpha: crowd ? 0.55 : 0.9, size: size(crowd ? 1 : 3), rgb: colours.rgb.plot });
+    const { plots, trail, lives, latest_s: now } = picture;
+    const count = (ring) => ring.added - ring.first;
+    const crowd = count(plots) > CROWD;
+    const few = count(plots) + count(trail) < FEW;
+    const unit = few ? 1 : this.ratio;
+    const size = (px) => Math.max(1, Math.round(px * unit));
+    for (const target of few ? [this.fewDots] : this.#images()) {
+      if (layers.trails) {
+        const life = crowd ? lives.trail_s / 4 : lives.trail_s;
+        fadingPoints(trail, { now, life, alpha: crowd ? 0.4 : 0.75, size: size(crowd ? 1 : 2), rgb: colours.rgb.confirmed }, target);
+      }
+      if (layers.plots) fadingPoints(plots, { now, life: lives.plot_s, alpha: crowd ? 0.55 : 0.9, size: size(crowd ? 1 : 3), rgb: colours.rgb.plot }, target);
+    }
   }
 
   /** Text anew; with `scale`, also rings and axes, which only the hand moves. */
@@ -216,6 +232,7 @@ export class Ppi {
     this.#area(below.left + left, below.top + top, width, height);
     this.strokes.draw(this.axes, this.sidePlace);
     this.dots.draw(this.heightDots);
+    this.marks.draw(this.fewDots, this.sidePlace);
     if (layers.tracks) this.strokes.draw(this.symbols.heightLines, this.sidePlace);
     this.marks.draw(this.symbols.marks, this.sidePlace);
   }
@@ -233,6 +250,7 @@ export class Ppi {
     }
     this.strokes.draw(this.scale, place);
     this.dots.draw(this.planDots);
+    this.marks.draw(this.fewDots, place);
     if (layers.rings) {
       fillBeam(this.beam, sites, colours, now_ms, this.calm.matches);
       this.strokes.draw(this.beam, place);

@@ -40,7 +40,7 @@ void main() {
 
 const MOST_LINES = 4096;
 /** Wedges of a circle at most: each is two triangles, which must look round. */
-const WEDGES = 256;
+const WEDGES = 128;
 const AFTERGLOW_SCANS = 0.9;
 /** dB over the middle of what is received at which video begins, and from there to full brightness. */
 const FLOOR_DB = 3.0;
