@@ -113,7 +113,8 @@ export class Detail {
     setText(this.gate, `${kind}, ${number(gate?.in_gate ?? 0)} plots in it. No plot is the track's: ${percent(weight_none, 1)}.`);
     this.used.update(
       (used ?? []).map((plot, i) => {
-        const away = Math.hypot(plot.x_m - state.x, plot.y_m - state.y);
+        const known = plot.x_m !== null && plot.y_m !== null;
+        const away = known ? Math.hypot(plot.x_m - state.x, plot.y_m - state.y) : NaN;
         return [i, [`${plot.seq}/${plot.index}`, percent(plot.weight, 1), gatesOf(plot.gates, this.scene.selection.models.at(-1)?.models), distance(away)]];
       }),
     );

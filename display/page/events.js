@@ -3,7 +3,9 @@
 import { byId, element, setText } from "./element.js";
 import { clock } from "./format.js";
 
-const MOST = 500;
+/** Events that are kept, and those of them that are listed. */
+const MOST = 5000;
+const MOST_ROWS = 500;
 /** Between two things said to a screen reader, ms: news, not a flood. */
 const NEWS_MS = 4000;
 const WORDS = { confirmed: "confirmed", ended: "ended", restart: "restart", over_budget: "over budget", warning: "warning", command: "command" };
@@ -28,15 +30,28 @@ export class Events {
     this.list.replaceChildren();
   }
 
+  /** Begins anew, with what the server remembers of the time before this page. */
+  async start() {
+    this.clear();
+    try {
+      const answer = await fetch(`/api/v1/events${location.search || "?since=0"}`);
+      const before = answer.ok ? await answer.json() : [];
+      const since = this.all;
+      this.clear();
+      for (const event of [...before, ...since]) this.add(event);
+      this.unsaid = [];
+    } catch (error) {
+      console.info(`earlier events are not known: ${error.message}`);
+    }
+  }
+
   add(event) {
     if (event.seq <= this.last) return;
     this.last = event.seq;
     this.all.push(event);
     this.list.prepend(this.#row(event));
-    if (this.all.length > MOST) {
-      this.all.shift();
-      this.list.lastChild.remove();
-    }
+    if (this.all.length > MOST) this.all.shift();
+    if (this.list.children.length > MOST_ROWS) this.list.lastChild.remove();
     this.unsaid.push(event);
   }
 

@@ -7,9 +7,10 @@ uniform vec3 u_heights; // foot of the height picture; 1 if it is drawn, else 0
 vec2 metres(vec3 p) {
   return u_heights.z > 0.5 ? vec2(length(p.xy - u_heights.xy), p.z) : p.xy;
 }
+const vec2 NOWHERE = vec2(9.0);
 vec2 place(vec3 p) {
   vec2 at = (metres(p) - u_view.xy) / u_view.zw;
-  return any(isnan(at)) ? vec2(9.0) : at; // a radar without height has nothing to show there
+  return any(isnan(at)) ? NOWHERE : at; // a radar without height has nothing to show there
 }
 `;
 

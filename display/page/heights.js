@@ -20,7 +20,7 @@ export class Heights {
     if (!site) return false;
     const before = `${this.foot}/${this.range_m}/${this.top_m}`;
     this.foot = site.origin_m;
-    this.range_m = site.range_max_m;
+    this.range_m = site.range_max_m || 1000;
     let highest = LEAST_TOP_M / 1.2;
     for (const { z_m } of picture.tracks.values()) if (z_m > highest) highest = z_m;
     const top = roundStep(highest * 1.2);

@@ -52,21 +52,25 @@ const hearers = {
   hello(message) {
     const again = picture.hello !== null;
     picture.start(message);
+    selection.restart();
     ppi.clear();
     chain.start(message);
     timeline.start(message);
-    events.clear();
+    events.start();
     facts.start(message);
     control.start(message);
     layers.start({ sites: message.sites, hasSystem: message.stages.some(({ outputs }) => outputs.includes("system-tracks") || outputs.includes("system_tracks")) || message.sites.length > 1 });
-    cover(message.sites);
+    cover();
     if (!again) view.fit();
     want.forget();
     document.title = `${message.sites.map(({ name }) => name).join(", ")} · radar-chain`;
   },
   sector: (message, arrived_ms) => picture.sector(message, arrived_ms),
   video: (message) => ppi.addVideo(message),
-  plots: (message) => picture.addPlots(message),
+  plots(message) {
+    picture.addPlots(message);
+    if (picture.widened) cover();
+  },
   tracks(message, arrived_ms) {
     picture.addTracks(message);
     latency.arrived(message, arrived_ms);
@@ -81,6 +85,7 @@ const hearers = {
   time: (message) => timeline.hear(message),
   reset() {
     picture.clear();
+    selection.restart();
     ppi.clear();
   },
   dropped(message) {
@@ -136,7 +141,9 @@ function toast(text) {
 }
 
 /** The view shows the coverage of all sites. */
-function cover(sites) {
+function cover() {
+  picture.widened = false;
+  const sites = [...picture.sites.values()].map(({ of }) => of).filter((of) => of.range_max_m > 0);
   if (sites.length === 0) return;
   const edge = (axis, sign) => Math.max(...sites.map((of) => sign * of.origin_m[axis] + of.range_max_m));
   const [east, west, north, south] = [edge(0, 1), -edge(0, -1), edge(1, 1), -edge(1, -1)];

@@ -1,5 +1,6 @@
 // What the radar sees now: beams, plots, tracks, truth of all sites, brought up to date by messages.
 
+import { roundStep } from "./format.js";
 import { Ring } from "./ring.js";
 import { TruthStore } from "./truth.js";
 
@@ -14,6 +15,8 @@ const PLOT_SCANS = 1.4;
 const TRAIL_SCANS = 30;
 const SILENT_SCANS = 4;
 const ENDED_SCANS = 1.5;
+/** The first message need not be the oldest: times begin so long before it. */
+const BEFORE_S = 1000;
 
 export class Picture {
   constructor() {
@@ -28,6 +31,8 @@ export class Picture {
     this.hello = hello;
     /** Sites by name. */
     this.sites = new Map((hello?.sites ?? []).map((of) => [of.name, new Site(of)]));
+    /** Whether the coverage has grown since the view was fitted to it. */
+    this.widened = false;
     /** Longest scan of all sites, s. */
     this.scan_s = Math.max(...[...this.sites.values()].map(({ of }) => of.scan_period_s || 1), 0.1);
     this.clear();
@@ -50,7 +55,7 @@ export class Picture {
 
   /** Time of the newest message, s since the picture began. */
   #note(time_s) {
-    if (Number.isNaN(this.epoch_s)) this.epoch_s = time_s;
+    if (Number.isNaN(this.epoch_s)) this.epoch_s = time_s - BEFORE_S;
     this.latest_s = Math.max(this.latest_s, time_s - this.epoch_s);
     return time_s - this.epoch_s;
   }
@@ -73,8 +78,20 @@ export class Picture {
       this.plots.add(x_m[i], y_m[i], z_m[i], time, sigma_range_m[i], across, azimuth_rad[i], snr_db[i]);
     }
     const site = this.sites.get(message.site);
-    if (site) site.plots += message.count;
+    if (site) {
+      site.plots += message.count;
+      this.#reach(site, range_m);
+    }
     this.version += 1;
+  }
+
+  /** A radar that does not say how far it sees has seen at least this far. */
+  #reach(site, ranges_m) {
+    if (!site.open) return;
+    const furthest = ranges_m.reduce((most, range) => (range > most ? range : most), 0);
+    if (furthest <= site.of.range_max_m) return;
+    site.of.range_max_m = roundStep(furthest);
+    this.widened = true;
   }
 
   addTracks(message) {
@@ -82,9 +99,10 @@ export class Picture {
     const { data, site } = message;
     const of = this.sites.get(site);
     if (of) Object.assign(of, { alive: message.alive, confirmed: message.confirmed, left_out: message.left_out });
+    if (of?.open) this.#reach(of, data.x_m.map((x, i) => Math.hypot(x - of.of.origin_m[0], data.y_m[i] - of.of.origin_m[1])));
     for (let i = 0; i < message.count; i += 1) {
       const track = this.#trackOf(this.tracks, site, data.id[i]);
-      if (of) track.origin = of.of.origin_m;
+      track.origin = of?.of.origin_m ?? [0, 0, 0];
       copy(track, data, i);
       track.speed = Math.hypot(track.vx_mps, track.vy_mps);
       if (track.state !== ENDED) this.trail.add(track.x_m, track.y_m, track.z_m, track.at);
@@ -113,7 +131,7 @@ export class Picture {
     const key = `${site}/${id}`;
     let track = store.get(key);
     if (!track) {
-      track = { key, site, id, epoch_s: this.epoch_s, label: "", trackWords: -1 };
+      track = { key, site, id, epoch_s: this.epoch_s, label: "" };
       store.set(key, track);
     }
     return track;
@@ -158,6 +176,9 @@ function copy(track, data, i) {
 class Site {
   constructor(of) {
     this.of = of;
+    /** Whether its coverage is not known and grows with what is seen. */
+    this.open = !(of.range_max_m > 0);
+    if (this.open) of.range_max_m = 0;
     this.beam = new Beam(of);
     this.clear();
   }

@@ -19,10 +19,11 @@ export function fillScale(lines, sites, main, view, colours) {
     const cross = 5 / view.scale;
     lines.line(x - cross, y, 0, x + cross, y, 0, 1.2, colours.packed("scale"));
     lines.line(x, y - cross, 0, x, y + cross, 0, 1.2, colours.packed("scale"));
+    if (of.range_max_m === 0) continue;
     const strong = of === main;
     lines.arc(x, y, of.range_max_m, 0, 2 * Math.PI, pieces(of.range_max_m * view.scale), strong ? 1.4 : -1.2, colours.packed("scale", strong ? 0.9 : 0.5));
   }
-  if (!main) return;
+  if (!main?.range_max_m) return;
   const [x, y] = main.origin_m;
   for (const radius of ringsOf(main, view)) {
     lines.arc(x, y, radius, 0, 2 * Math.PI, pieces(radius * view.scale), 1, ring);
@@ -38,7 +39,7 @@ export function fillScale(lines, sites, main, view, colours) {
 
 /** Numbers of the scale: calls `write(text, px, py, type)`. */
 export function writeScale(main, sites, view, write) {
-  if (!main) return;
+  if (!main?.range_max_m) return;
   const [x, y] = main.origin_m;
   const [ax, ay] = [view.screenX(x), view.screenY(y)];
   const inside = ax > 0 && ax < view.width && ay > 0 && ay < view.height;

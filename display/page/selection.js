@@ -15,6 +15,11 @@ export class Selection {
 
   #forget() {
     this.track = null;
+    this.restart();
+  }
+
+  /** Forgets the last scans: time has jumped. */
+  restart() {
     /** The last message of the server on this track. */
     this.said = null;
     /** Used plots by scan, oldest first. */
@@ -58,7 +63,7 @@ export class Selection {
     const { time_s, state, models, used, predicted } = message;
     this.said = message;
     if (this.scans.at(-1)?.time_s !== time_s) {
-      keep(this.scans, { time_s, used: used ?? [], predicted, x: state.x, y: state.y, z: state.z }, USED_SCANS);
+      keep(this.scans, { time_s, used: (used ?? []).filter(({ x_m, y_m }) => Number.isFinite(x_m) && Number.isFinite(y_m)), predicted, x: state.x, y: state.y, z: state.z }, USED_SCANS);
       keep(this.models, { time_s, models: models ?? [] }, CHART_SCANS);
     }
     this.version += 1;

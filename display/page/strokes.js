@@ -14,8 +14,13 @@ void main() {
   int corner = CORNERS[gl_VertexID % 6];
   uvec4 first = word4(gl_VertexID / 6, 0), second = word4(gl_VertexID / 6, 1);
   vec2 half_size = 0.5 * u_pixels.xy;
-  vec2 from = place(uintBitsToFloat(first.xyz)) * half_size;
-  vec2 to = place(uintBitsToFloat(uvec3(first.w, second.xy))) * half_size;
+  vec2 from = place(uintBitsToFloat(first.xyz)), to = place(uintBitsToFloat(uvec3(first.w, second.xy)));
+  if (from == NOWHERE || to == NOWHERE) {
+    gl_Position = vec4(NOWHERE, 0.0, 1.0);
+    return;
+  }
+  from *= half_size;
+  to *= half_size;
   float width = uintBitsToFloat(second.z); // negative: dashed
   float length_px = max(distance(from, to), 1e-3);
   vec2 along = (to - from) / length_px;

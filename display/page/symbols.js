@@ -140,12 +140,13 @@ export class Symbols {
     const { marks, lines, heightLines, colours } = this;
     scans.forEach((scan, i) => {
       const fresh = (i + 1) / scans.length;
-      for (const plot of scan.used) {
+      for (const { x_m, y_m, z_m, weight } of scan.used) {
         const colour = colours.packed("used", 0.2 + 0.6 * fresh * fresh);
-        marks.mark(plot.x_m, plot.y_m, plot.z_m, 6 + 7 * plot.weight, MARK.used, colour);
-        const thick = 0.5 + 1.5 * plot.weight;
-        lines.line(plot.x_m, plot.y_m, 0, scan.x, scan.y, 0, thick, colour);
-        heightLines.line(plot.x_m, plot.y_m, plot.z_m, scan.x, scan.y, scan.z, thick, colour);
+        const z = z_m ?? NaN;
+        marks.mark(x_m, y_m, z, 6 + 7 * weight, MARK.used, colour);
+        const thick = 0.5 + 1.5 * weight;
+        lines.line(x_m, y_m, 0, scan.x, scan.y, 0, thick, colour);
+        heightLines.line(x_m, y_m, z, scan.x, scan.y, scan.z, thick, colour);
       }
     });
     const expected = scans.at(-1)?.predicted;

@@ -20,7 +20,7 @@ void main() {
   float range = far ? u_site.w : u_site.z;
   v_turn = vec2(line * range, range);
   vec2 at = u_site.xy + range * vec2(sin(azimuth), cos(azimuth));
-  gl_Position = vec4(v_glow > u_glow.z ? place(vec3(at, 0.0)) : vec2(9.0), 0.0, 1.0);
+  gl_Position = vec4(v_glow > u_glow.z ? place(vec3(at, 0.0)) : NOWHERE, 0.0, 1.0);
 }`;
 
 const FRAGMENT = `
