@@ -22,6 +22,7 @@ export class Detail {
     this.modelNames = element("ul", { class: "key" });
     this.models = new Chart("Model probabilities over time", 56);
     this.used = new Table("Plots used by the last update", ["Plot", "Weight", "In gates", "Distance"]);
+    this.used.table.className = "used";
     this.gate = element("p", { class: "soft" });
     this.hops = new Table("Latency hop by hop", ["Hop", "Time", "Share"]);
     this.errorTitle = element("h3", {}, "Errors against truth");

@@ -21,7 +21,7 @@ const FEW = 1500;
 /** More device pixels than this to one of CSS cost time and show nothing. */
 const MOST_RATIO = 2;
 /** A picture of fewer pixels is not made coarser. */
-const FEWEST_PIXELS = 1_200_000;
+const FEWEST_PIXELS = 2_500_000;
 
 export class Ppi {
   /**
