@@ -8,6 +8,8 @@ import { processesOf, Stages } from "./stages.js";
 /** Reports that the history holds: ten minutes of one a second. */
 const HISTORY = 600;
 
+/** Latencies in the order of the way through the chain. */
+const ORDER = ["hop_dwells", "extract", "hop_plots", "track", "end_to_end", "scan", "record"];
 const HEADS = ["Process", "Condition", "CPU", "Memory", "Sent", "Elements", "Lost", "Rejected", "Restarts", "Tracks", "Confirmed", "Scan"];
 
 export class ChainView {
@@ -62,7 +64,8 @@ export class ChainView {
     const rows = [];
     for (const { key, site, of } of this.latest) {
       const budgets = (this.hello.sites.find(({ name }) => name === (site || of.site)) ?? this.hello.sites[0])?.budgets_us ?? {};
-      for (const [name, { p50, p99, over_budget }] of Object.entries(of.latency_us ?? {})) {
+      const latencies = Object.entries(of.latency_us ?? {}).sort(([a], [b]) => ORDER.indexOf(a) - ORDER.indexOf(b));
+      for (const [name, { p50, p99, over_budget }] of latencies) {
         const id = `${key}.${name}`;
         const { chart } = this.history.get(id);
         const budget = budgets[name];

@@ -38,7 +38,7 @@ const SIDE = 512;
 const RIM_PX = 2;
 
 /** Sizes and weights by name. */
-export const TYPE = { label: "12px", strong: "600 12px", scale: "11px" };
+const TYPE = { label: "12px", strong: "600 12px", scale: "11px" };
 
 export class Glyphs {
   constructor(gl) {

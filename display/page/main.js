@@ -16,6 +16,7 @@ import { Link } from "./link.js";
 import { TrackList } from "./list.js";
 import { Picture } from "./picture.js";
 import { Ppi } from "./ppi.js";
+import { Probe } from "./probe.js";
 import { Selection } from "./selection.js";
 import { Settings } from "./settings.js";
 import { Timeline } from "./timeline.js";
@@ -257,7 +258,7 @@ function panels(soon = false) {
 let panels_ms = -Infinity;
 function frame(now_ms) {
   requestAnimationFrame(frame);
-  latency.frame(now_ms);
+  latency.frame(performance.now());
   const { track } = selection;
   if (scene.following && track && (track.x_m !== view.x || track.y_m !== view.y)) view.centre(track.x_m, track.y_m);
   want.update(now_ms, shown === "picture");
@@ -274,31 +275,4 @@ function frame(now_ms) {
 requestAnimationFrame(frame);
 document.addEventListener("visibilitychange", () => latency.forget());
 
-// For tests and for the curious.
-window.radarChain = {
-  get latency() {
-    return latency.summary();
-  },
-  get frames() {
-    return frames.summary();
-  },
-  get tracks() {
-    return [...picture.tracks.values()].map(({ site, id, state, x_m, y_m, z_m, time_s }) => ({ site, id, state, x_m, y_m, z_m, time_s }));
-  },
-  /** What the view of the chain shows, as it came. */
-  get status() {
-    return chain.shown;
-  },
-  get dropped() {
-    return dropped;
-  },
-  get badMessages() {
-    return link.bad;
-  },
-  /** Where a track is in the window, pixels. */
-  where(site, id) {
-    const track = picture.tracks.get(`${site}/${id}`);
-    const { left, top } = parts.plan.getBoundingClientRect();
-    return track && { x: left + scene.unit * view.screenX(track.x_m), y: top + scene.unit * view.screenY(track.y_m) };
-  },
-};
+window.radarChain = new Probe({ scene, latency, frames, chain, link, plan: parts.plan, dropped: () => dropped });

@@ -5,9 +5,9 @@ import { ENDED, STATES } from "./picture.js";
 import { POINT } from "./ring.js";
 
 /** Speed vectors reach to where a target will be after so many scans. */
-export const VECTOR_SCANS = 10;
+const VECTOR_SCANS = 10;
 /** A standard error times this bounds 95 % of a plane. */
-export const ELLIPSE_SIGMAS = Math.sqrt(5.991);
+const ELLIPSE_SIGMAS = Math.sqrt(5.991);
 /** An ellipse or error bar shorter than this says nothing, pixels. */
 const SMALLEST_PX = 3;
 const MOST_BARS = 3000;
