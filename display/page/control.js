@@ -1,0 +1,166 @@
+// What an operator may do where the chain allows it: acquire, drop and label tracks, draw zones.
+
+import { byId, element } from "./element.js";
+
+const KINDS = { exclusion: "no tracks begin here", acquisition: "tracks begin sooner here" };
+
+export class Control {
+  /** @param {(text: string) => void} say tells the operator what has happened */
+  constructor(scene, say) {
+    Object.assign(this, { scene, say });
+    /** What a click on the plan does now: nothing special, `acquire` or `zone`. */
+    this.mode = null;
+    scene.zones = [];
+    scene.draft = [];
+    const button = (text, act, more = {}) => element("button", { type: "button", onclick: act, ...more }, text);
+    this.acquire = button("Acquire", () => this.#enter("acquire"), { "aria-pressed": "false" });
+    this.zone = button("Zone", () => this.#enter("zone"), { "aria-pressed": "false" });
+    this.name = element("input", { "aria-label": "Name of the zone", placeholder: "name", size: 8 });
+    this.kind = element("select", { "aria-label": "Kind of zone" }, ...Object.keys(KINDS).map((kind) => element("option", { value: kind }, kind)));
+    this.finish = button("Finish", () => this.#finishZone());
+    this.zoneForm = element("span", { class: "zone-form", hidden: true }, this.name, this.kind, this.finish);
+    this.zoneList = element("ul", { class: "zones", "aria-label": "Zones" });
+    this.hint = element("p", { class: "hint", role: "status", hidden: true });
+    this.label = element("input", { "aria-label": "Label of the track", placeholder: "label", size: 8, maxlength: 16 });
+    this.ofTrack = element("form", { class: "of-track", hidden: true }, this.label, element("button", {}, "Label"), button("Drop", () => this.#drop()));
+    this.ofTrack.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.#labelTrack();
+    });
+    byId("tools").append(this.acquire, this.zone, this.zoneForm);
+    byId("stage").append(this.hint, this.zoneList);
+    byId("track-control").append(this.ofTrack);
+  }
+
+  start(hello) {
+    this.allowed = hello.control === true && hello.mode === "live";
+    for (const of of [this.acquire, this.zone, this.zoneList]) of.hidden = !this.allowed;
+    this.ofTrack.hidden = !this.allowed;
+    this.leave();
+    this.sites = hello.sites;
+    if (this.allowed) this.#readZones();
+  }
+
+  /** A click or Enter on the plan; says whether it was for us. */
+  point(x, y) {
+    if (this.mode === null) return false;
+    if (this.mode === "acquire") {
+      this.leave();
+      this.#post(this.#path("tracks"), { x_m: x, y_m: y }, "Track asked for");
+    } else {
+      this.scene.draft.push([x, y]);
+      this.#changed();
+      this.#tell();
+    }
+    return true;
+  }
+
+  /** Ends what was begun; says whether there was anything. */
+  leave() {
+    const was = this.mode !== null;
+    this.mode = null;
+    this.scene.draft = [];
+    this.#changed();
+    this.#show();
+    return was;
+  }
+
+  #enter(mode) {
+    const again = this.mode === mode;
+    this.leave();
+    if (!again) this.mode = mode;
+    this.#show();
+    if (!again) byId("plan").focus();
+  }
+
+  #show() {
+    this.acquire.setAttribute("aria-pressed", String(this.mode === "acquire"));
+    this.zone.setAttribute("aria-pressed", String(this.mode === "zone"));
+    this.zoneForm.hidden = this.mode !== "zone";
+    this.hint.hidden = this.mode === null;
+    byId("plan").classList.toggle("aiming", this.mode !== null);
+    this.#tell();
+  }
+
+  #tell() {
+    const { length } = this.scene.draft;
+    const corners = length === 1 ? "1 corner" : `${length} corners`;
+    this.hint.textContent =
+      this.mode === "acquire"
+        ? "Click where the track is, or press Enter to take the centre. Escape ends."
+        : `Click the corners, or press Enter to take the centre: ${corners}. Then give a name and finish. Escape ends.`;
+  }
+
+  #finishZone() {
+    const polygon_m = this.scene.draft;
+    const name = this.name.value.trim();
+    if (polygon_m.length < 3) return this.say(`A zone has at least 3 corners; this one has ${polygon_m.length}.`);
+    if (name === "") {
+      this.say("The zone has no name yet.");
+      return this.name.focus();
+    }
+    const zone = { kind: this.kind.value, name, polygon_m };
+    this.leave();
+    this.name.value = "";
+    return this.#post(this.#path("zones"), zone, `Zone ${name} set`).then(() => this.#readZones());
+  }
+
+  #drop() {
+    const { track } = this.scene.selection;
+    if (track) this.#send("DELETE", this.#path(`tracks/${track.id}`, track.site), undefined, `Track ${track.id} asked to be dropped`);
+  }
+
+  #labelTrack() {
+    const { track } = this.scene.selection;
+    if (!track) return;
+    const label = this.label.value.trim();
+    this.#post(this.#path(`tracks/${track.id}/label`, track.site), { label }, `Track ${track.id} is now ${label || "without a label"}`).then((done) => {
+      if (done) Object.assign(track, { label, short: undefined, labelled: undefined });
+    });
+  }
+
+  async #readZones() {
+    const all = await Promise.all(this.sites.map(({ name }) => this.#send("GET", this.#path("zones", name))));
+    this.scene.zones = all.flatMap((zones, i) => (Array.isArray(zones) ? zones : []).map((zone) => ({ ...zone, site: this.sites[i].name })));
+    this.zoneList.replaceChildren(
+      ...this.scene.zones.map(({ site, name, kind }) =>
+        element("li", { title: KINDS[kind] }, `${name}, ${kind} `, element("button", { type: "button", "aria-label": `Remove zone ${name}`, onclick: () => this.#removeZone(site, name) }, "×")),
+      ),
+    );
+    this.#changed();
+  }
+
+  async #removeZone(site, name) {
+    await this.#send("DELETE", this.#path(`zones/${encodeURIComponent(name)}`, site), undefined, `Zone ${name} removed`);
+    await this.#readZones();
+  }
+
+  /** The site that commands go to: that of the chosen track, or the first. */
+  #path(rest, site = this.scene.selection.track?.site ?? this.sites[0].name) {
+    return `/api/v1/sites/${encodeURIComponent(site)}/${rest}${location.search}`;
+  }
+
+  #post(path, body, done) {
+    return this.#send("POST", path, body, done);
+  }
+
+  /** Sends a command; says what came of it, and gives back the answer, or null. */
+  async #send(method, path, body, done) {
+    try {
+      const headers = body ? { "content-type": "application/json" } : {};
+      const answer = await fetch(path, { method, headers, body: body && JSON.stringify(body) });
+      const text = await answer.text();
+      const content = text ? JSON.parse(text) : true;
+      if (!answer.ok) throw new Error(content.error ?? `the server answered ${answer.status}`);
+      if (done) this.say(`${done}.`);
+      return content;
+    } catch (error) {
+      this.say(`Not done: ${error.message}`);
+      return null;
+    }
+  }
+
+  #changed() {
+    this.scene.view.version += 1;
+  }
+}

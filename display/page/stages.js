@@ -1,0 +1,142 @@
+// The chain as boxes joined by their topics.
+
+import { element, setText, svg } from "./element.js";
+import { number, percent, quantity } from "./format.js";
+
+/** Where lines past other boxes run, from the edge, and how round they turn. */
+const RAIL_PX = 8;
+const BEND_PX = 6;
+
+/** Processes of all sites from `status`, which has one level more where there are several sites. */
+export function processesOf(status) {
+  const flat = Object.values(status).some((of) => of && typeof of === "object" && "pid" in of);
+  const sites = flat ? [["", status]] : Object.entries(status);
+  return sites.flatMap(([site, processes]) => Object.entries(processes).map(([name, of]) => ({ site, name, key: site ? `${site}.${name}` : name, of })));
+}
+
+export class Stages {
+  constructor(box) {
+    this.box = box;
+    this.wires = svg("svg", { "aria-hidden": "true" });
+    this.cards = [];
+    new ResizeObserver(() => this.#join()).observe(box);
+  }
+
+  /** Lays out the stages: a column for each step from the source. */
+  lay(hello) {
+    this.box.replaceChildren(this.wires);
+    this.cards = [];
+    const columns = new Map();
+    for (const stage of hello.stages) {
+      const column = depth(stage, hello.stages);
+      if (!columns.has(column)) columns.set(column, element("div", { class: "column" }));
+      const card = new Card(stage, hello.sites.length > 1);
+      card.column = column;
+      this.cards.push(card);
+      columns.get(column).append(card.box);
+    }
+    for (const column of [...columns.keys()].sort((a, b) => a - b)) this.box.append(columns.get(column));
+    this.#join();
+  }
+
+  update(processes, before) {
+    for (const card of this.cards) {
+      const found = processes.find(({ site, name }) => name === card.stage.name && (!site || !card.stage.site || site === card.stage.site));
+      const last = found && before.get(found.key);
+      card.update(found, last);
+    }
+  }
+
+  /** Lines from each stage to those that read its topics. */
+  #join() {
+    const whole = this.box.getBoundingClientRect();
+    if (whole.width === 0) return;
+    const edges = [];
+    for (const from of this.cards) {
+      for (const to of this.cards) {
+        const topics = from.stage.outputs.filter((topic) => to.stage.inputs.includes(topic));
+        const meet = !from.stage.site || !to.stage.site || from.stage.site === to.stage.site || to.stage.name === "fusion";
+        if (topics.length > 0 && meet && from !== to) edges.push(...edge(from, to, whole, topics));
+      }
+    }
+    this.wires.setAttribute("viewBox", `0 0 ${whole.width} ${whole.height}`);
+    this.wires.replaceChildren(...edges);
+  }
+}
+
+/** Steps from the source. */
+function depth(stage, all, seen = []) {
+  if (stage.inputs.length === 0 || seen.includes(stage)) return 0;
+  const before = all.filter(
+    (other) => other !== stage && !other.observer && (!stage.site || !other.site || other.site === stage.site) && other.outputs.some((topic) => stage.inputs.includes(topic)),
+  );
+  return before.length ? 1 + Math.max(...before.map((other) => depth(other, all, [...seen, stage]))) : 0;
+}
+
+/** A line to the next column with the names of its topics; to columns further on above the boxes, for observers below. */
+function edge(from, to, whole, topics) {
+  const [a, b] = [from.box.getBoundingClientRect(), to.box.getBoundingClientRect()];
+  const { observer } = to.stage;
+  const kind = observer ? "observer" : "";
+  if (to.column - from.column === 1 && !observer) {
+    const [x0, y0] = [a.right - whole.left, a.top + a.height / 2 - whole.top];
+    const [x1, y1] = [b.left - whole.left, b.top + b.height / 2 - whole.top];
+    const middle = (x0 + x1) / 2;
+    const name = svg("text", { x: middle, y: (y0 + y1) / 2 - 5 }, topics[0]);
+    return [svg("path", { d: `M${x0} ${y0}C${middle} ${y0} ${middle} ${y1} ${x1} ${y1}`, class: kind }), ...(Math.abs(y1 - y0) < 40 ? [name] : [])];
+  }
+  const rail = observer ? whole.height - RAIL_PX : RAIL_PX;
+  const [y0, y1] = (observer ? [a.bottom, b.bottom] : [a.top, b.top]).map((y) => y - whole.top);
+  const [x0, x1] = [a.left + a.width / 2 - whole.left, b.left + b.width / 2 - whole.left];
+  const turn = Math.sign(y0 - rail) * BEND_PX;
+  return [svg("path", { d: `M${x0} ${y0}V${rail + turn}Q${x0} ${rail} ${x0 + BEND_PX} ${rail}H${x1 - BEND_PX}Q${x1} ${rail} ${x1} ${rail + turn}V${y1}`, class: kind })];
+}
+
+/** One stage: its condition, what it reads and sends, what it has lost. */
+class Card {
+  constructor(stage, several) {
+    this.stage = stage;
+    const title = several && stage.site ? `${stage.site} ${stage.name}` : stage.name;
+    this.state = element("span", { class: "condition" });
+    this.facts = element("dl", { class: "pairs" });
+    this.box = element("article", { class: stage.observer ? "stage-card observer" : "stage-card", "aria-label": title }, element("h3", {}, title), this.state, this.facts);
+    this.values = new Map();
+  }
+
+  update(found, before) {
+    const of = found?.of;
+    const text = of ? (of.ended ? "ended" : of.condition) : "no report";
+    setText(this.state, text);
+    this.state.dataset.condition = text;
+    if (!of) return;
+    for (const topic of this.stage.inputs) {
+      if (of.received?.[topic] === undefined) continue;
+      const rate = perSecond(of, before, (at) => at.received?.[topic]);
+      const lost = of.lost?.[topic] ?? 0;
+      this.#fact(`reads ${topic}`, `${rate}${lost ? `, ${number(lost)} lost` : ""}`, lost > 0);
+    }
+    if (this.stage.outputs.length) this.#fact(`sends ${this.stage.outputs[0]}`, perSecond(of, before, (at) => at.messages_out));
+    this.#fact("CPU", percent(of.cpu_share));
+    for (const [topic, observers] of Object.entries(of.observers ?? {})) {
+      for (const [name, lost] of Object.entries(observers)) this.#fact(`${name} has missed`, `${number(lost)} ${topic}`, lost > 0);
+    }
+  }
+
+  #fact(name, text, bad = false) {
+    let value = this.values.get(name);
+    if (!value) {
+      value = element("dd");
+      this.values.set(name, value);
+      this.facts.append(element("div", {}, element("dt", {}, name), value));
+    }
+    setText(value, text);
+    value.className = bad ? "bad" : "";
+  }
+}
+
+/** Growth of a count between two reports of one session. */
+function perSecond(now, before, count) {
+  if (!before || before.session !== now.session || now.heartbeat_ns <= before.heartbeat_ns) return "–";
+  const s = (now.heartbeat_ns - before.heartbeat_ns) / 1e9;
+  return quantity((count(now) - count(before)) / s, "/s", 0);
+}
