@@ -14,6 +14,7 @@ mod fusion;
 mod ipc;
 mod keys;
 mod load;
+mod outputs;
 mod plot_source;
 mod radar;
 mod realtime;
@@ -35,6 +36,7 @@ pub use extractor::ExtractorConfig;
 pub use fusion::FusionConfig;
 pub use ipc::IpcConfig;
 pub use load::ConfigError;
+pub use outputs::{Affiliation, Destination, OutputConfig, OutputFormat, Sent, TargetClass};
 pub use plot_source::*;
 pub use radar::{RadarConfig, RadarGrid};
 pub use realtime::{RealtimeConfig, Scheduling, StageRealtime, WaitStrategy};
@@ -48,6 +50,8 @@ pub use soak::{MetricsConfig, SoakConfig};
 pub use supervision::{SupervisionConfig, WatchdogConfig};
 pub use tracker::*;
 pub use turn::TurnConfig;
+
+use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -90,6 +94,9 @@ pub struct ChainConfig {
     pub soak: SoakConfig,
     /// `[metrics]`: counters for Prometheus.
     pub metrics: MetricsConfig,
+    /// `[outputs.NAME]`: tracks or plots to other systems.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub outputs: BTreeMap<String, OutputConfig>,
 }
 
 impl ChainConfig {
@@ -111,7 +118,8 @@ impl ChainConfig {
         self.watchdog.check()?;
         self.realtime.check()?;
         self.soak.check()?;
-        self.metrics.check()
+        self.metrics.check()?;
+        self.outputs.iter().try_for_each(|(name, output)| output.check(name, self))
     }
 
     /// The configuration as TOML, complete: what `radar-chain config` prints.
