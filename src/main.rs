@@ -201,6 +201,9 @@ struct RunArgs {
     /// Make no recording
     #[arg(long)]
     no_record: bool,
+    /// Serve no picture for a browser
+    #[arg(long)]
+    no_display: bool,
     /// Where the report is written
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -220,6 +223,9 @@ struct SoakArgs {
     /// Also measure the bare hop of the middleware, for comparison
     #[arg(long)]
     reference: bool,
+    /// Serve the picture meanwhile; without this, nothing but the chain is measured
+    #[arg(long)]
+    display: bool,
     /// Folder of the results
     #[arg(long, value_name = "DIR", default_value = "soak")]
     out: PathBuf,
@@ -312,6 +318,7 @@ impl RunArgs {
         overrides.extend(self.seed.map(|seed| format!("run.seed={seed}")));
         overrides.extend(self.record.as_ref().map(|folder| format!("recorder.directory={}", text(folder))));
         overrides.extend(self.no_record.then(|| "recorder.record=false".to_string()));
+        overrides.extend(self.no_display.then(|| "display.enabled=false".to_string()));
         overrides.extend(self.report.as_ref().map(|file| format!("recorder.report={}", text(file))));
         overrides.extend(more);
         match &self.replay {
@@ -348,7 +355,8 @@ fn main() -> ExitCode {
     match arguments.command.unwrap_or(Command::Run(arguments.run)) {
         Command::Run(args) => common::process::supervise("radar-chain", || run::run(args.load()?)),
         Command::Soak(args) => common::process::supervise("radar-chain", || {
-            let plan = soak::Plan { duration: args.duration, out: args.out.clone(), reference: args.reference };
+            let SoakArgs { duration, reference, display, ref out, .. } = args;
+            let plan = soak::Plan { duration, out: out.clone(), reference, display };
             soak::soak(args.load()?, &plan)
         }),
         Command::Chaos { run, kills } => common::process::supervise("radar-chain", || chaos::chaos(run.load()?, kills)),

@@ -8,6 +8,7 @@ use common::config::{Mode, Sites};
 use common::ipc::{Domain, Flow, IpcError};
 use common::process::{BadInput, EXIT_CHECK_BROKEN, print, say, signals};
 use common::report::ChainReport;
+use common::topology::is_observer;
 
 use crate::checks::machine::allow_files;
 use crate::claim::Claim;
@@ -104,8 +105,9 @@ pub(crate) fn launch(
             let report = read_report(Path::new(&chain.recorder.report), &chain.run.id)?;
             let lossy = chain.run.mode == Mode::Lossless && report.lost() > 0;
             // Restarts of an earlier launcher are in the report; those of a process that has never said a word are not.
+            let counts = |name: &str| name != LAUNCHER && !is_observer(name);
             let restarted =
-                restarts > 0 || report.processes().iter().any(|(name, used)| name != LAUNCHER && used.restarts > 0);
+                restarts > 0 || report.processes().iter().any(|(name, used)| counts(name) && used.restarts > 0);
             Ok(Ok(Outcome { report, disturbed: broken || restarted, lossy }))
         }
     }

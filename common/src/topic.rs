@@ -19,7 +19,7 @@ macro_rules! with_topics {
                 { QUEUE: 32, SUBSCRIBERS: 5, PUBLISHERS: 2, HISTORY: 0 } from "message.rs" "plots.rs";
             /// Tracks of a sector.
             Tracks("tracks", "tracks/3") TracksHeader, [Track; MAX_TRACKS]
-                { QUEUE: 12, SUBSCRIBERS: 4, PUBLISHERS: 2, HISTORY: 0 } from "message.rs" "tracks.rs";
+                { QUEUE: 12, SUBSCRIBERS: 6, PUBLISHERS: 2, HISTORY: 0 } from "message.rs" "tracks.rs";
             /// True targets of a scan.
             Truth("truth", "truth/1") TruthHeader, [TruthTarget; MAX_TARGETS]
                 { QUEUE: 8, SUBSCRIBERS: 5, PUBLISHERS: 2, HISTORY: 0 } from "truth.rs";

@@ -5,6 +5,7 @@
 //!     └──truth──────────────────────────────────────────────┬────────────▲
 //!                                       other sites ──tracks─▶ fusion ───┘
 //! plot-source, replay, a program of the user's: any of these topics ──────┘
+//! display: all topics, never waited for
 //! ```
 //!
 //! A publisher waits for the consumers that the table requires. Every other subscriber is an observer: its full queue
@@ -36,6 +37,24 @@ pub enum Role {
     Processor,
     /// Takes everything and reports. One for all sites.
     Recorder,
+    /// Looks on: the run neither waits for it nor depends on it. One for all sites, where the configuration enables it.
+    Observer(Observer),
+}
+
+/// An observer that the launcher starts with the chain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Observer {
+    /// `[display]`: the picture in a browser.
+    Display,
+}
+
+impl Observer {
+    /// Whether the chain has it.
+    fn is_enabled(self, chain: &ChainConfig) -> bool {
+        match self {
+            Self::Display => chain.display.enabled,
+        }
+    }
 }
 
 /// A topic that a stage reads.
@@ -62,8 +81,12 @@ const fn always(topic: Topic) -> Input {
     Input { topic, required: Required::Always }
 }
 
+const fn never(topic: Topic) -> Input {
+    Input { topic, required: Required::Never }
+}
+
 /// All stages, upstream first.
-pub const STAGES: [Stage; 7] = [
+pub const STAGES: [Stage; 8] = [
     Stage {
         name: "radar-sim",
         role: Role::Source(Source::RadarSim),
@@ -101,7 +124,20 @@ pub const STAGES: [Stage; 7] = [
             always(Topic::Plots),
             always(Topic::Tracks),
             always(Topic::SystemTracks),
-            Input { topic: Topic::HealthReports, required: Required::Never },
+            never(Topic::HealthReports),
+        ],
+        outputs: &[],
+    },
+    Stage {
+        name: DISPLAY,
+        role: Role::Observer(Observer::Display),
+        inputs: &[
+            never(Topic::Tracks),
+            never(Topic::Plots),
+            never(Topic::Dwells),
+            never(Topic::Truth),
+            never(Topic::SystemTracks),
+            never(Topic::HealthReports),
         ],
         outputs: &[],
     },
@@ -111,6 +147,8 @@ pub const STAGES: [Stage; 7] = [
 pub const FUSION: &str = "fusion";
 /// Name of the recorder.
 pub const RECORDER: &str = "recorder";
+/// Name of the picture in a browser.
+pub const DISPLAY: &str = "display";
 
 impl Stage {
     /// The stage of this name.
@@ -125,7 +163,12 @@ impl Stage {
 
     /// Whether there is one for all sites.
     pub fn is_of_chain(&self) -> bool {
-        self.role == Role::Recorder
+        self.role == Role::Recorder || self.is_observer()
+    }
+
+    /// Whether the run neither waits for it nor depends on it.
+    pub fn is_observer(&self) -> bool {
+        matches!(self.role, Role::Observer(_))
     }
 
     /// Whether what it reads comes from other sites than its own.
@@ -154,13 +197,23 @@ impl Required {
     }
 }
 
-/// The stages of a site with this configuration, upstream first; the recorder, which serves all sites, is the last.
+/// The stages of a site with this configuration, upstream first; those that serve all sites are the last: the recorder, and
+/// after it the observers.
 pub fn stages(chain: &ChainConfig) -> Vec<&'static Stage> {
     let source = chain.run.source;
     let mut stages: Vec<&Stage> = STAGES.iter().filter(|stage| stage.role == Role::Source(source)).collect();
     stages.extend(reached(&STAGES, driving(chain)));
     stages.extend(STAGES.iter().filter(|stage| stage.role == Role::Recorder));
+    stages.extend(STAGES.iter().filter(|stage| match stage.role {
+        Role::Observer(observer) => observer.is_enabled(chain),
+        _ => false,
+    }));
     stages
+}
+
+/// Whether a process of this name is an observer of the table: what it loses and its restarts are none of the chain.
+pub fn is_observer(name: &str) -> bool {
+    Stage::from_name(name).is_some_and(Stage::is_observer)
 }
 
 /// The processors that a topic sets to work, itself or by the results of others of them.
@@ -217,6 +270,7 @@ mod tests {
 
     fn names(change: impl FnOnce(&mut ChainConfig)) -> Vec<&'static str> {
         let mut chain = ChainConfig::default();
+        chain.display.enabled = false;
         change(&mut chain);
         stages(&chain).into_iter().map(|stage| stage.name).collect()
     }
@@ -263,6 +317,17 @@ mod tests {
         chain.run.source = Source::RadarSim;
         chain.recorder.dwells = true;
         assert_eq!(required_consumers(Topic::Dwells, &chain), bits(&["plot-extractor", "recorder"]));
+    }
+
+    #[test]
+    fn observers_come_and_go_with_the_configuration_and_nobody_waits_for_them() {
+        let chain = ChainConfig::default();
+        let with_display = names(|chain| chain.display.enabled = true);
+        assert_eq!(with_display, ["radar-sim", "plot-extractor", "tracker", "recorder", "display"]);
+        for stage in STAGES.iter().filter(|stage| stage.is_observer()) {
+            assert!(stage.is_of_chain() && is_observer(stage.name));
+            assert!(Topic::ALL.iter().all(|&topic| !stage.requires(topic, &chain)), "{}", stage.name);
+        }
     }
 
     #[test]

@@ -358,4 +358,5 @@ STAGES = {
     "plot-extractor": 4,
     "tracker": 5,
     "recorder": 6,
+    "display": 7,
 }

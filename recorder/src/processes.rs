@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use common::health::{Health, RealtimeSetting};
 use common::report::ProcessUse;
-use common::topology::Stage;
+use common::topology::{Stage, is_observer};
 use common::units::{MIB, NS_PER_S};
 use serde::{Deserialize, Serialize};
 
@@ -67,9 +67,9 @@ impl Processes {
         names.all(|name| self.by_name.get(name).is_some_and(|lives| lives.now.ended == 1))
     }
 
-    /// Whether any process began anew.
+    /// Whether any process began anew on which the results depend.
     pub(crate) fn restarted(&self) -> bool {
-        self.by_name.values().any(|lives| lives.restarts > 0)
+        self.by_name.iter().any(|(name, lives)| lives.restarts > 0 && !is_observer(name))
     }
 
     /// Messages that observers have lost, by topic and observer: what publishers have counted, and what observers that
@@ -84,7 +84,8 @@ impl Processes {
                 }
             }
         }
-        for (name, lives) in self.by_name.iter().filter(|(name, _)| Stage::from_name(name).is_none()) {
+        let looks_on = |name: &str| Stage::from_name(name).is_none_or(Stage::is_observer);
+        for (name, lives) in self.by_name.iter().filter(|(name, _)| looks_on(name)) {
             for (topic, intake) in lives.now.inputs().filter(|(_, intake)| intake.lost > 0) {
                 let lost = observers.entry(topic.to_string()).or_default().entry(name.clone()).or_default();
                 *lost = intake.lost.max(*lost);

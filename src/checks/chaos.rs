@@ -32,7 +32,10 @@ const RETURN_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Kills, checks, and says what was found.
 pub(crate) fn chaos(mut sites: Sites, kills: u32) -> anyhow::Result<ExitCode> {
-    sites.change(|site| site.run.scans = 0); // it ends after the last kill
+    sites.change(|site| {
+        site.run.scans = 0; // it ends after the last kill
+        site.display.enabled = false; // nobody looks on
+    });
     let chain = sites.first();
     let scan_s = sites.all().iter().map(scan_seconds).fold(0.0, f64::max);
     let mut monkey = Monkey {
@@ -158,10 +161,11 @@ impl Companion for Monkey {
     }
 }
 
-/// Whether a process does its work: it publishes, or receives what it is to record.
+/// Whether a process does its work: it publishes, or receives what it is to record or to show.
 fn works(stage: &StageId, health: &common::health::Health) -> bool {
     let received = health.intake(Topic::Tracks).received;
-    health.ended == 0 && if stage.stage.role == Role::Recorder { received > 0 } else { health.messages_out > 0 }
+    let takes = matches!(stage.stage.role, Role::Recorder | Role::Observer(_));
+    health.ended == 0 && if takes { received > 0 } else { health.messages_out > 0 }
 }
 
 impl Monkey {

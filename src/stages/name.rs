@@ -65,14 +65,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_site_has_its_stages_and_all_share_the_recorder() {
+    fn every_site_has_its_stages_and_all_share_the_others() {
         let place = "position = { latitude_deg = 50.0, longitude_deg = 30.0 }";
         let text = format!("[[site]]\nname = \"a\"\n{place}\n[[site]]\nname = \"b\"\nsource = \"plot-source\"");
         let sites = common::config::parse_sites(std::path::Path::new("x.toml"), &text, &[]).expect("valid");
         let labels: Vec<String> = StageId::all(&sites).iter().map(StageId::label).collect();
-        assert_eq!(labels, ["recorder", "a/tracker", "a/plot-extractor", "a/radar-sim", "b/tracker", "b/plot-source"]);
+        assert_eq!(labels[..2], ["display", "recorder"]);
+        assert_eq!(labels[2..], ["a/tracker", "a/plot-extractor", "a/radar-sim", "b/tracker", "b/plot-source"]);
         let one = Sites::one(sites.first().clone());
         let labels: Vec<String> = StageId::all(&one).iter().map(StageId::label).collect();
-        assert_eq!(labels, ["recorder", "tracker", "plot-extractor", "radar-sim"]);
+        assert_eq!(labels, ["display", "recorder", "tracker", "plot-extractor", "radar-sim"]);
     }
 }

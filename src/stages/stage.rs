@@ -147,9 +147,15 @@ impl Stage {
         }
     }
 
+    /// Whether the run neither waits for it nor depends on it.
+    pub(crate) fn is_observer(&self) -> bool {
+        self.id.stage.is_observer()
+    }
+
     /// Whether it has ended and found something broken, or died at the end.
     pub(crate) fn found_broken(&self) -> bool {
         match &self.state {
+            _ if self.is_observer() => false,
             State::Ended { broken } => *broken,
             State::GivenUp => !self.id.stage.is_source(),
             _ => false,

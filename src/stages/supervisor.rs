@@ -23,7 +23,7 @@ pub(crate) struct Supervisor {
     file: PathBuf,
     /// Downstream first.
     stages: Vec<Stage>,
-    /// How each site ends, and last what serves all of them.
+    /// How each site ends, then the recorder, which serves all of them, and last the observers.
     endings: Vec<Ending>,
 }
 
@@ -42,6 +42,8 @@ struct Ending {
 const LAST_MESSAGES: Duration = Duration::from_secs(3);
 /// How long the recorder then has to close its file and write the report.
 const LAST_REPORT: Duration = Duration::from_secs(10);
+/// How long an observer has to go once everything else has ended.
+const LAST_LOOK: Duration = Duration::from_secs(2);
 /// A stage that has said nothing for so long may hang, or wait for one that does.
 const SUSPICION: Duration = Duration::from_millis(1500);
 
@@ -81,7 +83,7 @@ impl Supervisor {
     }
 
     fn new(sites: &Sites, file: PathBuf, stages: Vec<Stage>) -> Self {
-        let endings = vec![Ending::default(); sites.all().len() + 1];
+        let endings = vec![Ending::default(); sites.all().len() + 2];
         Self { sites: sites.clone(), file, stages, endings }
     }
 
@@ -105,18 +107,32 @@ impl Supervisor {
         self.of_sites().iter().all(|ending| ending.since.is_some())
     }
 
-    /// Restarts of a process so far.
+    /// Restarts so far of the processes that the results depend on.
     pub(crate) fn restarts(&self) -> u32 {
-        self.stages.iter().map(|stage| stage.restarts).sum()
+        self.stages.iter().filter(|stage| !stage.is_observer()).map(|stage| stage.restarts).sum()
     }
 
     fn of_sites(&self) -> &[Ending] {
         &self.endings[..self.sites.all().len()]
     }
 
+    /// Place of the ending of the recorder.
+    fn last_report(&self) -> usize {
+        self.sites.all().len()
+    }
+
+    /// Place of the ending of the observers.
+    fn last_look(&self) -> usize {
+        self.sites.all().len() + 1
+    }
+
     /// Place of the ending of a stage.
     fn ending_of(&self, id: &StageId) -> usize {
-        if id.stage.is_of_chain() { self.sites.all().len() } else { id.site }
+        match id.stage.role {
+            Role::Observer(_) => self.last_look(),
+            Role::Recorder => self.last_report(),
+            _ => id.site,
+        }
     }
 
     /// Looks after the processes once; the end, if it has come.
@@ -126,16 +142,17 @@ impl Supervisor {
                 return Ok(Some(end));
             }
         }
-        let sites = self.sites.all().len();
-        if self.is_ending() && self.endings[sites].since.is_none() {
-            self.endings[sites].since = Some(Instant::now());
+        let report = self.last_report();
+        if self.is_ending() && self.endings[report].since.is_none() {
+            self.endings[report].since = Some(Instant::now());
         }
         self.end_hung(board, screen);
+        self.end_observers();
         if self.stages.iter().all(Stage::has_ended) {
             let broken = self.stages.iter().any(Stage::found_broken);
             return Ok(Some(End::Done { broken }));
         }
-        for ending in 0..self.endings.len() {
+        for ending in 0..=report {
             self.hurry(ending, screen);
         }
         let late = |ending: &Ending| ending.forced.is_some_and(|since| since.elapsed() > LAST_REPORT);
@@ -146,7 +163,7 @@ impl Supervisor {
     fn look_after(&mut self, index: usize, board: &Board, screen: &mut Screen) -> anyhow::Result<Option<End>> {
         let id = self.stages[index].id.clone();
         let supervision = self.chain().supervision.clone();
-        let ending = self.ending_of(&id);
+        let (ending, is_observer) = (self.ending_of(&id), id.stage.is_observer());
         let said_end = board.of(&id).is_some_and(|health| health.ended == 1);
         // A site whose plots come from a program of the user's ends with its first stage.
         let has_source = self.stages.iter().any(|stage| stage.id.site == id.site && stage.id.stage.is_source());
@@ -158,6 +175,7 @@ impl Supervisor {
                     self.endings[ending].since.get_or_insert_with(Instant::now);
                 }
             }
+            Event::Refused if is_observer => screen.say(&format!("the chain goes on without {id}")),
             Event::Refused => return Ok(Some(End::Failed(EXIT_BAD_USAGE))),
             Event::Died(signal) => {
                 if id.stage.is_source() && said_end {
@@ -166,7 +184,7 @@ impl Supervisor {
                 let is_recorder = id.stage.role == Role::Recorder;
                 if self.endings[ending].since.is_some() && !is_recorder {
                     // Nothing would tell a new one that it is the end.
-                    if !id.stage.is_source() {
+                    if !id.stage.is_source() && !is_observer {
                         screen.say(&format!("{id} died while the chain was ending"));
                     }
                     self.stages[index].give_up();
@@ -176,6 +194,10 @@ impl Supervisor {
                 let restarts = self.stages[index].restarts;
                 if restarts >= supervision.max_restarts {
                     screen.say(&format!("{id} ended {cause}, after {restarts} restarts: giving up"));
+                    if is_observer {
+                        self.stages[index].give_up();
+                        return Ok(None);
+                    }
                     return Ok(Some(End::Failed(EXIT_FAILED)));
                 }
                 screen.say(&format!("{id} ended {cause}: starting it again"));
@@ -191,7 +213,7 @@ impl Supervisor {
                 }
                 let overrides = self.resume_at(&self.stages[index], board);
                 if let Err(error) = self.stages[index].restart(&self.file, &overrides) {
-                    if self.stages[index].restarts >= supervision.max_restarts {
+                    if self.stages[index].restarts >= supervision.max_restarts && !is_observer {
                         return Err(error);
                     }
                     screen.say(&format!("{error:#}: trying again"));
@@ -234,6 +256,25 @@ impl Supervisor {
                 stage.kill();
             } else if !told {
                 stage.signal(Signal::TERM); // a second one would end it at once
+            }
+        }
+    }
+
+    /// Ends the observers when everything else has ended. Nothing waits for them: one that does not go is killed.
+    fn end_observers(&mut self) {
+        if !self.stages.iter().filter(|stage| !stage.is_observer()).all(Stage::has_ended) {
+            return;
+        }
+        let ending = self.last_look();
+        let told = self.endings[ending].since.is_some();
+        let since = *self.endings[ending].since.get_or_insert_with(Instant::now);
+        for stage in self.stages.iter_mut().filter(|stage| stage.is_observer() && !stage.has_ended()) {
+            if stage.running().is_none() {
+                stage.give_up(); // it is not started again
+            } else if !told {
+                stage.signal(Signal::TERM);
+            } else if since.elapsed() > LAST_LOOK {
+                stage.kill();
             }
         }
     }

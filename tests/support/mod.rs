@@ -54,6 +54,8 @@ impl Bench {
             .arg(command)
             .args(["--ipc-prefix", &self.prefix])
             .args(["--set", &format!("ipc.root='{}'", self.folder.path().display())])
+            // Chains run side by side here, and nobody looks on; the tests of the display say otherwise.
+            .args(["--set", "display.enabled=false"])
             .stdin(Stdio::null());
         process
     }
@@ -63,7 +65,7 @@ impl Bench {
         let mut process = Command::new(env!("CARGO_BIN_EXE_radar-chain"));
         process
             .current_dir(self.folder.path())
-            .args(["run", "--ipc-prefix", &other.prefix])
+            .args(["run", "--no-display", "--ipc-prefix", &other.prefix])
             .args(["--set", &format!("ipc.root='{}'", self.folder.path().display()), "--config"])
             .arg(small_config())
             .stdin(Stdio::null());

@@ -8,6 +8,7 @@
 
 mod bank;
 mod budget;
+mod display;
 mod explain;
 mod extractor;
 mod fusion;
@@ -31,6 +32,7 @@ mod turn;
 
 pub use bank::{BandwidthConfig, BankConfig, OutputRule};
 pub use budget::{Budget, BudgetConfig};
+pub use display::DisplayConfig;
 pub use explain::{explained, reference};
 pub use extractor::ExtractorConfig;
 pub use fusion::FusionConfig;
@@ -94,6 +96,8 @@ pub struct ChainConfig {
     pub soak: SoakConfig,
     /// `[metrics]`: counters for Prometheus.
     pub metrics: MetricsConfig,
+    /// `[display]`: the picture in a browser.
+    pub display: DisplayConfig,
     /// `[outputs.NAME]`: tracks or plots to other systems.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub outputs: BTreeMap<String, OutputConfig>,
@@ -119,6 +123,7 @@ impl ChainConfig {
         self.realtime.check()?;
         self.soak.check()?;
         self.metrics.check()?;
+        self.display.check()?;
         self.outputs.iter().try_for_each(|(name, output)| output.check(name, self))
     }
 

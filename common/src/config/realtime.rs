@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, require, within};
+use crate::topology::is_observer;
 
 /// Scheduling class of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
@@ -43,15 +44,18 @@ pub struct StageRealtime {
     pub wait: WaitStrategy,
 }
 
+/// Nothing asked for.
+static PLAIN: StageRealtime = StageRealtime {
+    cpus: Vec::new(),
+    scheduling: Scheduling::Other,
+    priority: 50,
+    lock_memory: false,
+    wait: WaitStrategy::Sleep,
+};
+
 impl Default for StageRealtime {
     fn default() -> Self {
-        Self {
-            cpus: Vec::new(),
-            scheduling: Scheduling::Other,
-            priority: 50,
-            lock_memory: false,
-            wait: WaitStrategy::Sleep,
-        }
+        PLAIN.clone()
     }
 }
 
@@ -76,6 +80,8 @@ impl RealtimeConfig {
             "plot-extractor" => &self.plot_extractor,
             "tracker" => &self.tracker,
             "recorder" => &self.recorder,
+            // The chain does not wait for it: it must never run before a stage.
+            observer if is_observer(observer) => &PLAIN,
             _ => &self.source,
         }
     }

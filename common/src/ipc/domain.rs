@@ -267,7 +267,7 @@ const LISTINGS: u32 = 100;
 /// Room for the ports' own queues and lists, bytes.
 const MANAGEMENT: u64 = 4 << 20;
 /// Processes that publish their health.
-const PROCESSES: u64 = 6;
+const PROCESSES: u64 = 8;
 /// Samples that a subscriber may hold at once.
 pub(super) const BORROWED: usize = 2;
 /// Samples that a publisher may hold at once.

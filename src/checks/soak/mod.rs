@@ -45,6 +45,8 @@ pub(crate) struct Plan {
     pub(crate) out: PathBuf,
     /// Whether the bare hop is measured beside it.
     pub(crate) reference: bool,
+    /// Whether the picture is served meanwhile.
+    pub(crate) display: bool,
 }
 
 /// Runs the chain, measures it, judges it.
@@ -60,6 +62,7 @@ pub(crate) fn soak(mut sites: Sites, plan: &Plan) -> anyhow::Result<ExitCode> {
     sites.change(|site| {
         site.recorder.report = place("report.json");
         site.soak.log = place("latency.hlog");
+        site.display.enabled = plan.display;
     });
     let chain = sites.first();
     let resources = Resources::create(&out, Duration::from_secs_f64(chain.soak.interval_s))?;

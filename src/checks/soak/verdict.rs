@@ -6,6 +6,7 @@ use std::time::Duration;
 use common::config::{ChainConfig, Speed};
 use common::latency::{LATENCY_NAMES, Latency};
 use common::report::{Report, Soak};
+use common::topology::is_observer;
 
 /// Share of the speed asked for that has to be reached.
 const PACE: f64 = 0.95;
@@ -63,8 +64,8 @@ pub(super) fn findings(
         let limit = chain.soak.growth_mib;
         findings.push(format!("{process} gained {growth:.2} MiB after warm-up, {limit} MiB allowed"));
     }
-    let restarted: Vec<&str> =
-        report.processes.iter().filter(|(_, used)| used.restarts > 0).map(|(name, _)| name.as_str()).collect();
+    let restarted = report.processes.iter().filter(|(name, used)| used.restarts > 0 && !is_observer(name));
+    let restarted: Vec<&str> = restarted.map(|(name, _)| name.as_str()).collect();
     if !restarted.is_empty() {
         findings.push(format!("restarted: {}", restarted.join(", ")));
     } else if disturbed {
