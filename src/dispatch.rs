@@ -25,6 +25,7 @@ pub(crate) fn run_stage(name: &str, args: &StageArgs) -> anyhow::Result<ExitCode
         fusion::process::NAME => fusion::process::run(args),
         recorder::process::NAME => recorder::process::run(args),
         display::process::NAME => display::process::run(args),
+        outputs::process::NAME => outputs::process::run(args),
         KEEPER => keeper::keep(args),
         other => anyhow::bail!("stage `{other}` is in the table of stages, but this program does not have it"),
     }

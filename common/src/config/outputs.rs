@@ -1,6 +1,5 @@
 //! `[outputs.NAME]`: tracks or plots of the chain to another system.
 
-use std::fmt;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::str::FromStr;
 
@@ -157,29 +156,19 @@ pub enum Destination {
     Listeners(SocketAddr),
 }
 
-impl Destination {
-    /// The forms it is written in.
-    const FORMS: [(&'static str, fn(SocketAddr) -> Self); 3] =
-        [("udp://", Self::Datagrams), ("tcp://", Self::Peer), ("tcp-listen://", Self::Listeners)];
-}
-
 impl FromStr for Destination {
     type Err = ();
 
     fn from_str(text: &str) -> Result<Self, ()> {
-        let form = Self::FORMS.iter().find_map(|(scheme, make)| Some((text.strip_prefix(scheme)?, make)));
-        let (address, make) = form.ok_or(())?;
+        let (scheme, address) = text.split_once("://").ok_or(())?;
         let address: SocketAddr = address.parse().map_err(|_| ())?;
-        if address.port() == 0 { Err(()) } else { Ok(make(address)) }
-    }
-}
-
-impl fmt::Display for Destination {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Datagrams(address) => write!(out, "udp://{address}"),
-            Self::Peer(address) => write!(out, "tcp://{address}"),
-            Self::Listeners(address) => write!(out, "tcp-listen://{address}"),
+        // A group of IPv6 has no interface key and would leave by whichever the routes name.
+        let is_usable = address.port() != 0 && !(address.is_ipv6() && address.ip().is_multicast());
+        match scheme {
+            "udp" if is_usable => Ok(Self::Datagrams(address)),
+            "tcp" if is_usable => Ok(Self::Peer(address)),
+            "tcp-listen" if is_usable => Ok(Self::Listeners(address)),
+            _ => Err(()),
         }
     }
 }
@@ -245,11 +234,17 @@ mod tests {
         let place = "site.position={ latitude_deg = 50.0, longitude_deg = 30.0 }";
         assert_eq!(refusal(&["outputs.cot.to=udp://239.2.3.1:6969", place]), "");
         for (overrides, expected) in [
-            (&["outputs.a.to=udp://127.0.0.1:8600"][..], "key `outputs.a.format` is not given, expected one of asterix, cot"),
+            (
+                &["outputs.a.to=udp://127.0.0.1:8600"][..],
+                "key `outputs.a.format` is not given, expected one of asterix, cot",
+            ),
             (&["outputs.json.send=tracks"], "key `outputs.json.to` is not given, expected udp://ADDRESS:PORT, tcp://"),
             (&["outputs.json.to=http://127.0.0.1:1"], "key `outputs.json.to` is http://127.0.0.1:1, expected udp://"),
             (&["outputs.json.to=udp://127.0.0.1:0"], "expected udp://ADDRESS:PORT"),
-            (&["outputs.cot.to=udp://239.2.3.1:6969"], "key `site.position` is not given, expected a position: output `cot`"),
+            (
+                &["outputs.cot.to=udp://239.2.3.1:6969"],
+                "key `site.position` is not given, expected a position: output `cot`",
+            ),
             (&["outputs.sapient.to=udp://127.0.0.1:5020", place], "expected tcp://ADDRESS:PORT, for sapient"),
             (&["outputs.nmea.to=udp://127.0.0.1:1", "outputs.nmea.send=plots"], "key `outputs.nmea.send` is plots"),
             (&["outputs.nmea.colour=red"], "unknown field `colour`"),

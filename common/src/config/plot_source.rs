@@ -54,6 +54,8 @@ pub struct PlotSourceConfig {
     pub use_test: bool,
     /// Whether reports of the sensor's fixed monitors (RAB) become plots.
     pub use_monitors: bool,
+    /// Whether plots carry the address of the transponder as `target_id`: for exports and scores; no stage looks at it.
+    pub use_identity: bool,
     /// `[plot_source.registration]`: the offset between the frames of radar and cooperative sensor.
     pub registration: RegistrationConfig,
 }
@@ -82,6 +84,7 @@ impl Default for PlotSourceConfig {
             use_simulated: false,
             use_test: false,
             use_monitors: false,
+            use_identity: false,
             registration: RegistrationConfig::default(),
         }
     }
