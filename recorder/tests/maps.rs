@@ -88,16 +88,15 @@ fn kml_has_as_many_times_as_places() {
         let (mut open, mut whens, mut coords) = (Vec::new(), 0, 0);
         loop {
             match reader.read_event().expect("XML") {
-                quick_xml::events::Event::Start(element) => open.push(element.name().as_ref().to_vec()),
+                quick_xml::events::Event::Start(element) => open.push(element.name().as_ref().to_string()),
                 quick_xml::events::Event::End(_) => drop(open.pop()),
-                quick_xml::events::Event::Text(inside) => match open.last().map(Vec::as_slice) {
-                    Some(b"when") => whens += 1,
-                    Some(b"gx:coord") => {
-                        let numbers =
-                            String::from_utf8_lossy(&inside).split(' ').filter_map(|it| it.parse::<f64>().ok()).count();
+                quick_xml::events::Event::Text(inside) => match open.last().map(String::as_str) {
+                    Some("when") => whens += 1,
+                    Some("gx:coord") => {
+                        let numbers = inside.split(' ').filter_map(|it| it.parse::<f64>().ok()).count();
                         coords += usize::from(numbers == 3);
                     }
-                    Some(b"altitudeMode") => assert_eq!(&*inside, mode.as_bytes()),
+                    Some("altitudeMode") => assert_eq!(&*inside, mode),
                     _ => {}
                 },
                 quick_xml::events::Event::Eof => break,

@@ -10,6 +10,7 @@ use super::load::{ConfigError, not_negative, positive, require, within};
 /// Recording with real plots, and the properties of the radar that made it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a question of its own about the reports")]
 pub struct PlotSourceConfig {
     /// Recording of the radar.
     pub file: String,

@@ -10,6 +10,7 @@
 
 mod courageous;
 mod csv_table;
+mod foxglove;
 mod geojson;
 mod kml;
 mod mcap_json;
