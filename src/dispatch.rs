@@ -1,10 +1,12 @@
 //! The stages as this one program runs them: `radar-chain stage NAME`.
 
-use std::process::ExitCode;
+use std::os::unix::process::CommandExt;
+use std::process::{Command, ExitCode};
 
+use anyhow::Context;
 use clap::builder::PossibleValuesParser;
-use common::process::StageArgs;
-use common::topology::STAGES;
+use common::process::{BadInput, StageArgs};
+use common::topology::{LINK_IN, LINK_OUT, STAGES};
 
 use crate::keeper;
 use crate::stages::name::KEEPER;
@@ -24,11 +26,27 @@ pub(crate) fn run_stage(name: &str, args: &StageArgs) -> anyhow::Result<ExitCode
         tracker::process::NAME => tracker::process::run(args),
         fusion::process::NAME => fusion::process::run(args),
         recorder::process::NAME => recorder::process::run(args),
+        LINK_IN | LINK_OUT => become_the_program("link", args),
         display::process::NAME => display::process::run(args),
         outputs::process::NAME => outputs::process::run(args),
         KEEPER => keeper::keep(args),
         other => anyhow::bail!("stage `{other}` is in the table of stages, but this program does not have it"),
     }
+}
+
+/// Goes on as another program, which has the stage and stands beside this one, with the same arguments.
+fn become_the_program(name: &str, args: &StageArgs) -> anyhow::Result<ExitCode> {
+    args.load()?;
+    let program = std::env::current_exe().context("finding this program")?.with_file_name(name);
+    if !program.is_file() {
+        let missing =
+            format!("expected the program {name} as {}: cargo build --release -p {name} makes it", program.display());
+        return Err(BadInput(missing).into());
+    }
+    let mut words = std::env::args_os();
+    let own_name = words.next().unwrap_or_default();
+    let error = Command::new(&program).arg0(own_name).args(words).exec();
+    Err(error).with_context(|| format!("starting {}", program.display()))
 }
 
 #[cfg(test)]

@@ -93,6 +93,10 @@ impl Header for DwellHeader {
         Place { session, seq, time_ns, flags, scan: Some(scan) }
     }
 
+    fn each_stamp(&mut self, visit: &mut dyn FnMut(&mut u64)) {
+        visit(&mut self.source_out_ns);
+    }
+
     fn make_comparable(&mut self) {
         (self.session, self.source_out_ns) = (0, 0);
     }

@@ -332,8 +332,10 @@ pub struct Health {
     pub private_kib: u32,
     /// False alarms of the plots that come in, as far as tracks do not explain them; only the tracker fills it.
     pub false_alarms: FalseAlarms,
+    /// How well the monotonic clock of another host is known, µs; only the ends of a link fill it, once they know.
+    pub clock_uncertainty_us: f32,
     /// Always 0: no undefined bytes.
-    pub reserved: [u32; 9],
+    pub reserved: [u32; 8],
 }
 
 const _: () = assert!(size_of::<Health>() == 2112 && align_of::<Health>() == 64);
@@ -407,6 +409,8 @@ impl Header for HealthHeader {
     fn place(&self) -> Place {
         Place { session: self.session, seq: self.seq, ..Place::default() }
     }
+
+    fn each_stamp(&mut self, _visit: &mut dyn FnMut(&mut u64)) {}
 
     fn make_comparable(&mut self) {
         self.session = 0;

@@ -81,8 +81,19 @@ pub trait Header {
         None
     }
 
+    /// Visits the times of this host's monotonic clock in it, ns; 0 where a stage has not been.
+    fn each_stamp(&mut self, visit: &mut dyn FnMut(&mut u64));
+
     /// Takes away what differs between two runs of the same input: sessions and stamps.
     fn make_comparable(&mut self);
+}
+
+impl Stamps {
+    /// Visits all of them.
+    pub fn each(&mut self, visit: &mut dyn FnMut(&mut u64)) {
+        let Self { source_out_ns, extractor_in_ns, plots_out_ns, tracker_in_ns, tracks_out_ns } = self;
+        [source_out_ns, extractor_in_ns, plots_out_ns, tracker_in_ns, tracks_out_ns].into_iter().for_each(visit);
+    }
 }
 
 impl Lineage {

@@ -117,6 +117,11 @@ impl Header for SystemTracksHeader {
         Place { session, seq, time_ns, flags, scan: Some(seq as u32) }
     }
 
+    fn each_stamp(&mut self, visit: &mut dyn FnMut(&mut u64)) {
+        visit(&mut self.tracks_out_ns);
+        visit(&mut self.fused_out_ns);
+    }
+
     fn make_comparable(&mut self) {
         (self.session, self.tracks_out_ns, self.fused_out_ns) = (0, 0, 0);
     }

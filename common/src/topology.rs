@@ -5,6 +5,7 @@
 //!     └──truth──────────────────────────────────────────────┬────────────▲
 //!                                       other sites ──tracks─▶ fusion ───┘
 //! plot-source, replay, a program of the user's: any of these topics ──────┘
+//! any of these topics but dwells ──▶ link-out ──another host──▶ link-in ──▶ the same topics
 //! display: all topics, never waited for
 //! outputs: tracks and plots, never waited for
 //! ```
@@ -77,8 +78,14 @@ pub enum Required {
     Always,
     /// Where `recorder.dwells` is set.
     IfDwellsAreRecorded,
+    /// Where `link.send` names the topic.
+    IfSent,
     /// Never.
     Never,
+}
+
+const fn if_sent(topic: Topic) -> Input {
+    Input { topic, required: Required::IfSent }
 }
 
 const fn always(topic: Topic) -> Input {
@@ -90,7 +97,7 @@ const fn never(topic: Topic) -> Input {
 }
 
 /// All stages, upstream first.
-pub const STAGES: [Stage; 9] = [
+pub const STAGES: [Stage; 11] = [
     Stage {
         name: "radar-sim",
         role: Role::Source(Source::RadarSim),
@@ -116,8 +123,20 @@ pub const STAGES: [Stage; 9] = [
         inputs: &[always(Topic::Truth), always(Topic::Tracks)],
         outputs: &[Topic::Tracks, Topic::Truth, Topic::SystemTracks],
     },
+    Stage {
+        name: LINK_IN,
+        role: Role::Source(Source::Link),
+        inputs: &[],
+        outputs: &[Topic::Plots, Topic::Tracks, Topic::Truth, Topic::SystemTracks],
+    },
     Stage { name: "plot-extractor", role: Role::Processor, inputs: &[always(Topic::Dwells)], outputs: &[Topic::Plots] },
     Stage { name: "tracker", role: Role::Processor, inputs: &[always(Topic::Plots)], outputs: &[Topic::Tracks] },
+    Stage {
+        name: LINK_OUT,
+        role: Role::Processor,
+        inputs: &[if_sent(Topic::Tracks), if_sent(Topic::Truth), if_sent(Topic::Plots), if_sent(Topic::SystemTracks)],
+        outputs: &[],
+    },
     Stage {
         name: RECORDER,
         role: Role::Recorder,
@@ -155,6 +174,10 @@ pub const STAGES: [Stage; 9] = [
 
 /// Name of the stage that makes the tracks of one site from those of all others.
 pub const FUSION: &str = "fusion";
+/// Name of the stage that sends what a site says to another host.
+pub const LINK_OUT: &str = "link-out";
+/// Name of the stage that gets it there.
+pub const LINK_IN: &str = "link-in";
 /// Name of the recorder.
 pub const RECORDER: &str = "recorder";
 /// Name of the picture in a browser.
@@ -190,7 +213,7 @@ impl Stage {
 
     /// Whether publishers of `topic` wait for it in a chain with this configuration.
     pub fn requires(&self, topic: Topic, chain: &ChainConfig) -> bool {
-        self.inputs.iter().any(|input| input.topic == topic && input.required.holds(chain))
+        self.inputs.iter().any(|input| input.topic == topic && input.required.holds(topic, chain))
     }
 
     /// Its bit in a set of stages, and the event by which it tells publishers that it has found them.
@@ -200,10 +223,11 @@ impl Stage {
 }
 
 impl Required {
-    fn holds(self, chain: &ChainConfig) -> bool {
+    fn holds(self, topic: Topic, chain: &ChainConfig) -> bool {
         match self {
             Self::Always => true,
             Self::IfDwellsAreRecorded => chain.recorder.dwells,
+            Self::IfSent => chain.link.send.contains(&topic),
             Self::Never => false,
         }
     }
@@ -214,7 +238,8 @@ impl Required {
 pub fn stages(chain: &ChainConfig) -> Vec<&'static Stage> {
     let source = chain.run.source;
     let mut stages: Vec<&Stage> = STAGES.iter().filter(|stage| stage.role == Role::Source(source)).collect();
-    stages.extend(reached(&STAGES, driving(chain)));
+    let sends = !chain.link.send.is_empty();
+    stages.extend(reached(&STAGES, driving(chain)).into_iter().filter(|stage| sends || stage.name != LINK_OUT));
     stages.extend(STAGES.iter().filter(|stage| stage.role == Role::Recorder));
     stages.extend(STAGES.iter().filter(|stage| match stage.role {
         Role::Observer(observer) => observer.is_enabled(chain),
@@ -251,6 +276,7 @@ pub fn driving(chain: &ChainConfig) -> Topic {
         Source::RadarSim => Topic::Dwells,
         Source::PlotSource | Source::External => Topic::Plots,
         Source::Fusion => Topic::Tracks,
+        Source::Link => last_in_processing(&chain.link.receive),
         Source::Replay => last_in_processing(&chain.replay.topics),
     }
 }
@@ -293,6 +319,12 @@ mod tests {
         assert_eq!(names(|chain| chain.run.source = Source::PlotSource), ["plot-source", "tracker", "recorder"]);
         assert_eq!(names(|chain| chain.run.source = Source::External), ["tracker", "recorder"]);
         assert_eq!(names(|chain| chain.run.source = Source::Fusion), ["fusion", "recorder"]);
+        assert_eq!(names(|chain| chain.run.source = Source::Link), ["link-in", "recorder"]);
+        let plots_from_afar =
+            |chain: &mut ChainConfig| (chain.run.source, chain.link.receive) = (Source::Link, vec![Topic::Plots]);
+        assert_eq!(names(plots_from_afar), ["link-in", "tracker", "recorder"]);
+        let sent = |chain: &mut ChainConfig| chain.link.send = vec![Topic::Tracks];
+        assert_eq!(names(sent), ["radar-sim", "plot-extractor", "tracker", "link-out", "recorder"]);
         let replay = |topics: &[Topic]| {
             names(|chain| (chain.run.source, chain.replay.topics) = (Source::Replay, topics.to_vec()))
         };
@@ -327,6 +359,9 @@ mod tests {
         (chain.run.fused, chain.run.source) = (false, Source::Fusion);
         assert_eq!(required_consumers(Topic::Tracks, &chain), bits(&["recorder"]));
         chain.run.source = Source::RadarSim;
+        chain.link.send = vec![Topic::Truth];
+        assert_eq!(required_consumers(Topic::Truth, &chain), bits(&["link-out", "recorder"]));
+        assert_eq!(required_consumers(Topic::Tracks, &chain), bits(&["recorder"]));
         chain.recorder.dwells = true;
         assert_eq!(required_consumers(Topic::Dwells, &chain), bits(&["plot-extractor", "recorder"]));
     }

@@ -381,6 +381,10 @@ impl Header for TracksHeader {
         Some(&self.lineage)
     }
 
+    fn each_stamp(&mut self, visit: &mut dyn FnMut(&mut u64)) {
+        self.stamps.each(visit);
+    }
+
     fn make_comparable(&mut self) {
         (self.session, self.stamps) = (0, Stamps::default());
         self.lineage.make_comparable();

@@ -14,6 +14,7 @@ use common::health::{Condition, Health, LatencySummary, RealtimeSetting};
 use common::latency::LATENCY_NAMES;
 use common::process::BadInput;
 use common::time::monotonic_ns;
+use common::topology::{LINK_IN, LINK_OUT};
 use common::units::NS_PER_S;
 
 use super::board::{Board, SiteBoard};
@@ -103,7 +104,7 @@ fn answer(mut stream: TcpStream, page: &str) -> std::io::Result<()> {
 /// One figure of a process: its name, type, meaning and value.
 type Figure = (&'static str, &'static str, &'static str, fn(&Health) -> f64);
 
-const FIGURES: [Figure; 17] = [
+const FIGURES: [Figure; 18] = [
     ("radar_up", "gauge", "1 while the last health report is younger than 10 s and not of the end", |health| {
         let age_s = monotonic_ns().saturating_sub(health.heartbeat_ns) as f64 / NS_PER_S;
         f64::from(health.ended == 0 && age_s < SILENT_S)
@@ -141,6 +142,9 @@ const FIGURES: [Figure; 17] = [
     ("radar_false_alarm_probability_set", "gauge", "False alarms per cell, as set; 0 while unknown", |health| {
         f64::from(health.false_alarms.set)
     }),
+    ("radar_clock_uncertainty_seconds", "gauge", "Clock of another host; 0 while unknown", |health| {
+        f64::from(health.clock_uncertainty_us) * 1e-6
+    }),
 ];
 
 /// Whether a figure says something of a process: only a tracker has tracks, only who makes or takes plots has those.
@@ -152,6 +156,7 @@ fn applies(figure: &str, process: &str) -> bool {
         | "radar_tracks_confirmed"
         | "radar_false_alarm_probability"
         | "radar_false_alarm_probability_set" => is(&[tracker::process::NAME]),
+        "radar_clock_uncertainty_seconds" => is(&[LINK_IN, LINK_OUT]),
         "radar_restarts_total" => is(&[LAUNCHER]),
         _ => true,
     }

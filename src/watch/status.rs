@@ -114,6 +114,7 @@ fn process_json(health: &Health, cpu_share: f64) -> Value {
         "refused": RealtimeSetting::names(health.refused),
         "false_alarms": health.false_alarms.known(),
         "false_alarms_off": health.false_alarms.is_off(),
+        "clock_uncertainty_us": (health.clock_uncertainty_us > 0.0).then_some(health.clock_uncertainty_us),
     })
 }
 

@@ -14,6 +14,7 @@ mod extractor;
 mod fusion;
 mod ipc;
 mod keys;
+mod link;
 mod load;
 mod outputs;
 mod plot_source;
@@ -37,6 +38,7 @@ pub use explain::{explained, reference};
 pub use extractor::ExtractorConfig;
 pub use fusion::FusionConfig;
 pub use ipc::IpcConfig;
+pub use link::LinkConfig;
 pub use load::ConfigError;
 pub use outputs::{Affiliation, Destination, OutputConfig, OutputFormat, Sent, TargetClass};
 pub use plot_source::*;
@@ -82,6 +84,8 @@ pub struct ChainConfig {
     pub plot_source: PlotSourceConfig,
     /// `[fusion]`: tracks of several sites to one set of system tracks.
     pub fusion: FusionConfig,
+    /// `[link]`: topics to and from other hosts.
+    pub link: LinkConfig,
     /// `[replay]`: a recording in place of a radar.
     pub replay: ReplayConfig,
     /// `[budget]`: latency limits.
@@ -116,6 +120,10 @@ impl ChainConfig {
         self.recorder.check()?;
         self.plot_source.check()?;
         self.fusion.check()?;
+        self.link.check()?;
+        if self.run.source == Source::Link || !self.link.send.is_empty() {
+            self.link.check_ways()?;
+        }
         self.replay.check()?;
         self.budget.check()?;
         self.supervision.check()?;
@@ -142,7 +150,7 @@ impl ChainConfig {
         match self.origin() {
             Source::RadarSim => self.radar.scan_period_s,
             Source::Fusion => self.fusion.cycle_s,
-            Source::PlotSource | Source::External | Source::Replay => self.plot_source.scan_period_s,
+            Source::PlotSource | Source::External | Source::Link | Source::Replay => self.plot_source.scan_period_s,
         }
     }
 
@@ -151,7 +159,7 @@ impl ChainConfig {
         match self.origin() {
             Source::RadarSim => self.radar.sectors_per_scan,
             Source::Fusion => self.fusion.sectors,
-            Source::PlotSource | Source::External | Source::Replay => self.plot_source.sectors_per_scan,
+            Source::PlotSource | Source::External | Source::Link | Source::Replay => self.plot_source.sectors_per_scan,
         }
     }
 }

@@ -19,6 +19,8 @@ pub enum Source {
     Replay,
     /// The tracks of all other sites.
     Fusion,
+    /// The same site on another host.
+    Link,
     /// A program of the user's that publishes plots.
     External,
 }
@@ -47,7 +49,8 @@ impl Mode {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RunConfig {
-    /// `radar-sim`, `plot-source`, `replay`, `fusion`: the tracks of all other sites, or `external`: a program of the user's.
+    /// `radar-sim`, `plot-source`, `replay`, `fusion`: the tracks of all other sites, `link`: the same site on another
+    /// host, or `external`: a program of the user's.
     pub source: Source,
     /// `lossless` or `real-time`.
     pub mode: Mode,

@@ -23,7 +23,8 @@ use crate::latency_log;
 use super::load::{ConfigError, apply, read, read_text, require};
 
 /// Tables that belong to a site; all others are common to the chain.
-const TABLES_OF_SITE: [&str; 7] = ["radar", "extractor", "tracker", "plot_source", "fusion", "replay", "budget"];
+const TABLES_OF_SITE: [&str; 8] =
+    ["radar", "extractor", "tracker", "plot_source", "fusion", "link", "replay", "budget"];
 /// The other keys of a site.
 const KEYS_OF_SITE: [&str; 4] = ["name", "sac", "sic", "position"];
 
@@ -37,6 +38,17 @@ impl Sites {
     /// The chain of one site.
     pub fn one(site: ChainConfig) -> Self {
         Self { sites: vec![site] }
+    }
+
+    /// The chain of these sites: those of one run, as it was recorded.
+    ///
+    /// # Errors
+    /// [`ConfigError::Range`]: there is none, or two have one name.
+    pub fn several(sites: Vec<ChainConfig>) -> Result<Self, ConfigError> {
+        require("site", "none", !sites.is_empty(), "at least one")?;
+        let sites = Self { sites };
+        check_names(&sites)?;
+        Ok(sites)
     }
 
     /// All sites.
@@ -267,12 +279,18 @@ fn merge(table: &mut Table, key: &str, value: &Value) {
     }
 }
 
-/// Checks what only several sites together can break.
-fn check_together(sites: &Sites) -> Result<(), ConfigError> {
-    for (index, site) in sites.all().iter().enumerate() {
+fn check_names(sites: &Sites) -> Result<(), ConfigError> {
+    sites.all().iter().enumerate().try_for_each(|(index, site)| {
         let name = &site.site.name;
         let taken = sites.all()[..index].iter().any(|other| other.site.name == *name);
-        require(&format!("site[{index}].name"), name, !taken, "a name that no other site has")?;
+        require(&format!("site[{index}].name"), name, !taken, "a name that no other site has")
+    })
+}
+
+/// Checks what only several sites together can break.
+fn check_together(sites: &Sites) -> Result<(), ConfigError> {
+    check_names(sites)?;
+    for (index, site) in sites.all().iter().enumerate() {
         let placed = site.site.position.is_some() || sites.only().is_some();
         let simulated = site.run.source == Source::RadarSim;
         require(

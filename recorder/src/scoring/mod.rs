@@ -51,7 +51,7 @@ impl Scoring {
             Source::PlotSource | Source::External => {
                 TrackScore::Cooperative(Box::new(Cooperative::new(&config.recorder.scoring)))
             }
-            Source::RadarSim | Source::Replay | Source::Fusion => {
+            Source::RadarSim | Source::Replay | Source::Fusion | Source::Link => {
                 TrackScore::Simulated(Box::new(Simulated::new(config)))
             }
         };

@@ -14,12 +14,14 @@
 //! What is missing lies in a channel of its own, `radar/<site>/gaps`, as JSON, where the messages would lie.
 
 mod blocks;
+mod index;
 mod lengths;
 mod reader;
 mod writer;
 
 pub use blocks::{Block, Blocks, BlocksAhead, End};
-pub use reader::{Entry, Reader};
+pub use index::{FromChunk, Index, Span};
+pub use reader::{Entry, Reader, decode};
 pub use writer::Writer;
 
 use std::collections::BTreeMap;

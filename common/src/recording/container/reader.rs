@@ -223,7 +223,7 @@ impl Chunk {
                             None => continue,
                         },
                         Some(Channel::Messages(topic, name)) => {
-                            decode(*topic, &data).map(Entry::Message).map_err(|message| (name.clone(), message))
+                            recorded(*topic, &data).map(Entry::Message).map_err(|message| (name.clone(), message))
                         }
                         Some(Channel::Gaps(name)) => serde_json::from_slice(&data)
                             .map(Entry::Gap)
@@ -248,13 +248,13 @@ impl Chunk {
     }
 }
 
-fn decode(topic: Topic, data: &[u8]) -> Result<Recorded, String> {
+fn recorded(topic: Topic, data: &[u8]) -> Result<Recorded, String> {
     struct Decode<'a>(&'a [u8]);
     impl ForTopic for Decode<'_> {
         type Out = Result<Recorded, String>;
 
         fn call<M: Message>(self) -> Self::Out {
-            let (header, elements) = parts::<M::Header, M::Element>(self.0)?;
+            let (header, elements) = decode::<M>(self.0)?;
             Ok(M::recorded(header, elements))
         }
     }
@@ -265,7 +265,11 @@ fn decode(topic: Topic, data: &[u8]) -> Result<Recorded, String> {
     topic.apply(Decode(data))
 }
 
-fn parts<H: DeserializeOwned, E: DeserializeOwned>(data: &[u8]) -> Result<(H, Vec<E>), String> {
+/// Header and elements that [`super::encode`] has written.
+///
+/// # Errors
+/// In words: what does not fit.
+pub fn decode<M: Message>(data: &[u8]) -> Result<(M::Header, Vec<M::Element>), String> {
     let (message, length) = decode_start(data)?;
     if length == data.len() { Ok(message) } else { Err(format!("{length} of {} bytes used", data.len())) }
 }

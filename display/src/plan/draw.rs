@@ -1,0 +1,162 @@
+//! The plan of a picture: what the radars saw at one time, with the ways that led there.
+
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+use common::config::{ChainConfig, Source};
+
+use super::scale::{Scale, distance, round_step};
+use super::svg::Svg;
+use crate::picture::Picture;
+use crate::picture::site::SitePicture;
+use crate::wire::plots::position_m;
+
+/// The sheet, px.
+const SIDE: f64 = 1000.0;
+/// Room above the plan for what it shows, px.
+const HEAD: f64 = 64.0;
+/// Room about the plan for the azimuth scale, px.
+const MARGIN: f64 = 40.0;
+/// Range rings at most.
+const RINGS: f64 = 5.0;
+/// A speed vector ends where its target is after so long, in scans.
+const VECTOR_SCANS: f64 = 10.0;
+
+/// Colours on a light sheet.
+const DAY: &str = "svg{background:#fff;font:14px 'DejaVu Sans',sans-serif}.ring,.spoke{fill:none;stroke:#c3ccd4;stroke-width:1}\
+.scale{fill:#5a6b78;font-size:12px}.title{fill:#16242e;font-size:20px}.note{fill:#3c4c57}.plot{fill:#b07a1e;opacity:.55}\
+.truth{fill:none;stroke:#7a8791;stroke-width:1.5}.trail{fill:none;stroke:#0a6bb5;stroke-width:1.5;opacity:.55}\
+.vector{fill:none;stroke:#0a4f8a;stroke-width:2}.confirmed{fill:#0a4f8a}.tentative{fill:#fff;stroke:#0a4f8a;stroke-width:1.5}\
+.number{fill:#0a3d69;font-weight:bold}.site{fill:#16242e}";
+/// Colours on a dark one.
+const NIGHT: &str = "svg{background:#0b1218;font:14px 'DejaVu Sans',sans-serif}.ring,.spoke{fill:none;stroke:#263541;stroke-width:1}\
+.scale{fill:#8fa3b2;font-size:12px}.title{fill:#e6eef4;font-size:20px}.note{fill:#b4c3cf}.plot{fill:#e0b050;opacity:.55}\
+.truth{fill:none;stroke:#8895a0;stroke-width:1.5}.trail{fill:none;stroke:#58b0f0;stroke-width:1.5;opacity:.6}\
+.vector{fill:none;stroke:#9bd2ff;stroke-width:2}.confirmed{fill:#9bd2ff}.tentative{fill:#0b1218;stroke:#9bd2ff;stroke-width:1.5}\
+.number{fill:#cfe8ff;font-weight:bold}.site{fill:#e6eef4}";
+
+/// The ways of tracks, by site and number: positions in the picture, m, oldest first.
+pub(super) type Trails = HashMap<(usize, u64), Vec<[f64; 3]>>;
+
+/// What a plan shows.
+pub(super) struct Plan<'a> {
+    pub(super) picture: &'a Picture,
+    pub(super) sites: &'a [ChainConfig],
+    pub(super) trails: &'a Trails,
+    /// What it shows, in a line: when, and of whom.
+    pub(super) title: &'a str,
+    /// Range of the plan about the first radar, m; `None` for what the radars cover.
+    pub(super) range_m: Option<f64>,
+    pub(super) night: bool,
+}
+
+impl Plan<'_> {
+    /// The drawing, SVG.
+    pub(super) fn draw(&self) -> String {
+        let style = if self.night { NIGHT } else { DAY };
+        let mut svg = Svg::new(SIDE, SIDE + HEAD, self.title, style);
+        if self.night {
+            svg.element("rect", "", &[("width", &"100%"), ("height", &"100%"), ("fill", &"#0b1218")]);
+        }
+        let range_m = self.range_m.unwrap_or_else(|| self.reach_m());
+        let scale = Scale {
+            middle_m: [0.0; 2],
+            middle: [SIDE / 2.0, HEAD + SIDE / 2.0],
+            per_m: (SIDE / 2.0 - MARGIN) / range_m,
+        };
+        rings(&mut svg, &scale, range_m);
+        for (number, site) in self.picture.sites.iter().enumerate() {
+            self.site(&mut svg, &scale, number, site);
+        }
+        self.head(&mut svg);
+        svg.finish()
+    }
+
+    /// The farthest that anything shown is from the first radar, m.
+    fn reach_m(&self) -> f64 {
+        let mut reach_m: f64 = 1.0;
+        for (site, config) in self.picture.sites.iter().zip(self.sites) {
+            let [x, y, _] = site.place.position_m([0.0; 3]);
+            let radar = &config.radar;
+            let simulated_m = radar.range_first_m + f64::from(radar.ranges) * radar.range_step_m;
+            let own_m = if config.origin() == Source::RadarSim { simulated_m } else { farthest_m(site) };
+            reach_m = reach_m.max(x.hypot(y) + own_m);
+        }
+        reach_m
+    }
+
+    fn site(&self, svg: &mut Svg, scale: &Scale, number: usize, site: &SitePicture) {
+        let config = &self.sites[number];
+        let at = scale.place(site.place.position_m([0.0; 3]));
+        svg.line("site", [[at[0], at[1] - 7.0], [at[0] + 6.0, at[1] + 5.0], [at[0] - 6.0, at[1] + 5.0]]);
+        if self.sites.len() > 1 {
+            svg.text("note", [at[0] + 9.0, at[1] + 5.0], "start", &site.name);
+        }
+        for (_, plots) in site.last_scan() {
+            plots.iter().for_each(|plot| svg.circle("plot", scale.place(position_m(plot, &site.place)), 2.5));
+        }
+        for target in site.truth.iter().flat_map(|(_, targets)| targets) {
+            let [x, y] = scale.place(site.place.position_m(target.position_m()));
+            svg.line("truth", [[x - 7.0, y], [x + 7.0, y]]);
+            svg.line("truth", [[x, y - 7.0], [x, y + 7.0]]);
+        }
+        let ahead_s = VECTOR_SCANS * config.scan_period_s();
+        for (id, of) in &site.tracks {
+            let track = &of.track;
+            let from_m = site.place.position_m(track.position_m());
+            let velocity = site.place.vector(track.velocity_mps());
+            let at = scale.place(from_m);
+            if let Some(trail) = self.trails.get(&(number, *id)) {
+                svg.line("trail", trail.iter().map(|&position| scale.place(position)));
+            }
+            if !track.is_confirmed() {
+                svg.circle("tentative", at, 3.5);
+                continue;
+            }
+            let ahead_m = std::array::from_fn(|axis| from_m[axis] + ahead_s * velocity[axis]);
+            svg.line("vector", [at, scale.place(ahead_m)]);
+            svg.circle("confirmed", at, 5.0);
+            svg.text("number", [at[0] + 9.0, at[1] - 8.0], "start", &id.to_string());
+        }
+    }
+
+    fn head(&self, svg: &mut Svg) {
+        svg.text("title", [MARGIN, 30.0], "start", self.title);
+        let tracks = || self.picture.sites.iter().flat_map(|site| site.tracks.values());
+        let confirmed = tracks().filter(|of| of.track.is_confirmed()).count();
+        let plots: usize = self.picture.sites.iter().flat_map(SitePicture::last_scan).map(|(_, plots)| plots.len()).sum();
+        let legend = format!(
+            "● {confirmed} confirmed tracks with trail and {VECTOR_SCANS:.0} scans ahead, ○ {} tentative, · {plots} plots of the last scan{}",
+            tracks().count() - confirmed,
+            if self.picture.sites.iter().any(|site| site.truth.is_some()) { ", + truth" } else { "" }
+        );
+        svg.text("note", [MARGIN, 52.0], "start", &legend);
+    }
+}
+
+/// The farthest plot or track of a site, m.
+fn farthest_m(site: &SitePicture) -> f64 {
+    let plots = site.last_scan().flat_map(|(_, plots)| plots).map(|plot| plot.range_m);
+    let tracks = site.tracks.values().map(|of| of.track.position_m()).map(|[x, y, _]| x.hypot(y));
+    plots.chain(tracks).fold(1.0, f64::max) * 1.05
+}
+
+/// Range rings about the first radar, and the azimuth scale.
+fn rings(svg: &mut Svg, scale: &Scale, range_m: f64) {
+    let step_m = round_step(range_m, RINGS);
+    let middle = scale.middle;
+    for ring in 1..=(range_m / step_m).floor() as u32 {
+        let radius_m = f64::from(ring) * step_m;
+        svg.circle("ring", middle, radius_m * scale.per_m);
+        svg.text("scale", [middle[0] + 4.0, middle[1] - radius_m * scale.per_m - 4.0], "start", &distance(radius_m));
+    }
+    let edge = range_m * scale.per_m;
+    svg.circle("ring", middle, edge);
+    for degrees in (0..360).step_by(30) {
+        let (sin, cos) = (f64::from(degrees) * TAU / 360.0).sin_cos();
+        let at = |radius: f64| [middle[0] + radius * sin, middle[1] - radius * cos];
+        svg.line("spoke", [at(0.0), at(edge)]);
+        let [x, y] = at(edge + 18.0);
+        svg.text("scale", [x, y + 4.0], "middle", &format!("{degrees:03}°"));
+    }
+}

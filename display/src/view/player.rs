@@ -1,0 +1,205 @@
+//! Plays recordings into a picture: forwards at any speed, by steps, from any time.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use common::config::Sites;
+use common::message::END_OF_SCAN;
+use common::recording::Recorded;
+use common::units::NS_PER_S;
+use serde::Serialize;
+
+use super::deck::Deck;
+use super::tape::Tape;
+use crate::picture::Picture;
+use crate::picture::events::EventLog;
+use crate::picture::video::Gatherer;
+use crate::serve::Served;
+use crate::wire::requests::{Playback, Step};
+
+/// Between two looks at the clock while playing.
+const FRAME: Duration = Duration::from_millis(20);
+/// Viewers hear so often where the recording stands.
+const WORD: Duration = Duration::from_millis(100);
+/// Scans before a time from which the picture at that time is made: tracks are updated once a scan.
+const SCANS_BEFORE: f64 = 3.0;
+/// A step never goes farther than so many scans: there may be nothing left to step to.
+const SCANS_OF_A_STEP: f64 = 1000.0;
+/// Bounds of the speed, times recorded time.
+const SPEEDS: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
+
+/// What the player is told.
+pub(super) enum Order {
+    /// By a viewer.
+    Viewer(Playback),
+    /// All events of the recording are known.
+    Events(EventLog),
+}
+
+/// `time`: where the recording stands.
+#[derive(Serialize)]
+struct TimeMessage {
+    r#type: &'static str,
+    at_s: f64,
+    playing: bool,
+    rate: f64,
+}
+
+/// Plays.
+pub(super) struct Player {
+    served: Arc<Served>,
+    sites: Sites,
+    tapes: Vec<Tape>,
+    deck: Deck,
+    video: Vec<Gatherer>,
+    extent_ns: (u64, u64),
+    at_ns: u64,
+    rate: f64,
+    /// When playing began and where, unless it stands still.
+    since: Option<(Instant, u64)>,
+    events: Option<EventLog>,
+}
+
+impl Player {
+    /// A player that stands at the begin of the recordings.
+    pub(super) fn new(served: Arc<Served>, sites: &Sites, tapes: Vec<Tape>, extent_ns: (u64, u64)) -> Self {
+        let video = tapes.iter().map(|_| Gatherer::default()).collect();
+        let deck = Deck::from(&tapes, extent_ns.0);
+        let at_ns = extent_ns.0;
+        Self { served, sites: sites.clone(), tapes, deck, video, extent_ns, at_ns, rate: 1.0, since: None, events: None }
+    }
+
+    /// Plays as it is told until nobody is left who could tell.
+    pub(super) fn run(mut self, orders: &Receiver<Order>) {
+        let period_ns = self.period_s() * NS_PER_S;
+        self.seek(self.extent_ns.0 + (SCANS_BEFORE * period_ns) as u64);
+        let mut told = Instant::now();
+        loop {
+            let sleep = if self.since.is_some() { FRAME } else { Duration::from_secs(3600) };
+            match orders.recv_timeout(sleep) {
+                Ok(order) => {
+                    self.obey(order);
+                    self.tell();
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+            if let Some((since, from_ns)) = self.since {
+                let played_ns = since.elapsed().as_nanos() as f64 * self.rate;
+                self.play_to(from_ns.saturating_add(played_ns as u64));
+                if self.since.is_none() || told.elapsed() >= WORD {
+                    told = Instant::now();
+                    self.tell();
+                }
+            }
+        }
+    }
+
+    fn obey(&mut self, order: Order) {
+        let moved = matches!(order, Order::Viewer(Playback::Seek(_) | Playback::Step(..)));
+        match order {
+            Order::Events(events) => {
+                self.served.know_events(&events);
+                self.events = Some(events);
+            }
+            Order::Viewer(Playback::Play(rate)) => {
+                self.rate = rate.clamp(*SPEEDS.start(), *SPEEDS.end());
+                if self.at_ns >= self.extent_ns.1 {
+                    self.seek(self.extent_ns.0);
+                }
+                self.since = Some((Instant::now(), self.at_ns));
+            }
+            Order::Viewer(Playback::Pause) => self.since = None,
+            Order::Viewer(Playback::Seek(time_s)) => self.seek((time_s.max(0.0) * NS_PER_S) as u64),
+            Order::Viewer(Playback::Step(step, by)) => {
+                self.since = None;
+                self.step(step, by);
+            }
+        }
+        if moved && self.since.is_some() {
+            self.since = Some((Instant::now(), self.at_ns));
+        }
+    }
+
+    /// Time of a scan, s.
+    fn period_s(&self) -> f64 {
+        self.sites.all().iter().map(common::config::ChainConfig::scan_period_s).fold(0.0, f64::max)
+    }
+
+    /// The picture at a time, from the scans before it.
+    fn seek(&mut self, time_ns: u64) {
+        let time_ns = time_ns.clamp(self.extent_ns.0, self.extent_ns.1);
+        let before_ns = (SCANS_BEFORE * self.period_s() * NS_PER_S) as u64;
+        let from_ns = time_ns.saturating_sub(before_ns);
+        self.deck = Deck::from(&self.tapes, from_ns);
+        let mut picture = Picture::new(&self.sites);
+        if let Some(events) = &self.events {
+            picture.know_events(events);
+        }
+        while let Some((site, message)) = self.deck.next_until(time_ns) {
+            // A chunk begins before the time that it was chosen for.
+            if message.by_ref().time_ns() >= from_ns || !message.by_ref().topic().is_data() {
+                picture.take(site, message.by_ref(), 0);
+            }
+        }
+        self.at_ns = time_ns;
+        self.video.fill_with(Gatherer::default);
+        self.served.replace(picture);
+    }
+
+    fn play_to(&mut self, time_ns: u64) {
+        while let Some((site, message)) = self.deck.next_until(time_ns) {
+            self.show(site, &message);
+        }
+        self.at_ns = time_ns.min(self.extent_ns.1);
+        if self.at_ns == self.extent_ns.1 {
+            self.since = None;
+        }
+    }
+
+    fn step(&mut self, step: Step, by: i32) {
+        let (sites, period_s) = (self.sites.first(), self.period_s());
+        let step_s = match step {
+            Step::Scan => period_s,
+            Step::Sector => period_s / f64::from(sites.sectors_per_scan().max(1)),
+        };
+        if by < 0 {
+            let back_ns = f64::from(by.unsigned_abs()) * step_s * NS_PER_S;
+            return self.seek(self.at_ns.saturating_sub(back_ns as u64));
+        }
+        let limit_ns = self.at_ns.saturating_add((SCANS_OF_A_STEP * period_s * NS_PER_S) as u64);
+        for _ in 0..by.unsigned_abs().min(SCANS_OF_A_STEP as u32) {
+            while let Some((site, message)) = self.deck.next_until(limit_ns) {
+                let place = message.by_ref().place();
+                self.at_ns = self.at_ns.max(place.time_ns).min(self.extent_ns.1);
+                self.show(site, &message);
+                let ends_scan = place.flags & END_OF_SCAN != 0;
+                if matches!(message, Recorded::Tracks(..)) && site == 0 && (step == Step::Sector || ends_scan) {
+                    break;
+                }
+            }
+        }
+        if self.deck.next_ns().is_none() {
+            self.at_ns = self.extent_ns.1;
+        }
+    }
+
+    fn show(&mut self, site: usize, message: &Recorded) {
+        match message {
+            Recorded::Dwells(header, cells) => {
+                if self.served.wants_video()
+                    && let Some(sector) = self.video[site].take(header, cells)
+                {
+                    self.served.take_video(site, &sector);
+                }
+            }
+            other => self.served.take(site, other.by_ref(), 0),
+        }
+    }
+
+    fn tell(&self) {
+        let (at_s, playing) = (self.at_ns as f64 / NS_PER_S, self.since.is_some());
+        self.served.say(&TimeMessage { r#type: "time", at_s, playing, rate: self.rate });
+    }
+}
