@@ -31,6 +31,7 @@ fn foreign_programs_read_every_output_and_find_the_same_tracks() {
     let bench = Bench::new();
     let mut judge = Command::new("python3")
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/judges/outputs.py"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()

@@ -16,7 +16,7 @@ import struct
 import sys
 import warnings
 from collections import Counter
-from datetime import datetime, timezone
+from datetime import datetime
 
 import pynmea2
 import takproto
@@ -26,6 +26,7 @@ from sapient_msg_pydantic.bsi_flex_335_v2_0.sapient_message import SapientMessag
 from libasterix_records import blocks, elements, parse
 
 warnings.simplefilter("error")
+warnings.simplefilter("ignore", ResourceWarning)
 EDITIONS = {62: "1.21", 65: "1.6", 48: "1.32", 34: "1.29"}
 DATAGRAMS = ("json", "asterix", "plots", "cot", "nmea")
 NM_M = 1852.0
@@ -135,12 +136,17 @@ def plots(verdict, datagrams):
     verdict.require(categories[48] > 0 and categories[34] > 0, f"plots: records by category {dict(categories)}")
 
 
+def line_of(lines, number, at, tolerance, time_of):
+    """The line of a track at a time, which other programs may round otherwise."""
+    near = [line for line in lines if line["id"] == number and abs(time_of(line) - at) <= tolerance]
+    return near[0] if len(near) == 1 else None
+
+
 def cot(verdict, datagrams, lines):
-    by_place = {(str(line["id"]), milliseconds(line["time"])): line for line in lines}
     for datagram in datagrams:
         event = takproto.parse_proto(bytearray(datagram)).cotEvent
         verdict.reports["cot"] += 1
-        line = by_place.get((event.uid.rsplit(".", 1)[1], event.sendTime))
+        line = line_of(lines, int(event.uid.rsplit(".", 1)[1]), event.sendTime, 1, lambda line: milliseconds(line["time"]))
         verdict.require(line is not None, f"cot: no line for {event.uid} at {event.sendTime}")
         verdict.require(event.type == "a-u-A-M-H-Q" and event.how == "m-r", f"cot: {event.type} {event.how}")
         verdict.require((event.staleTime == event.sendTime) == (line is not None and line["state"] == "ended"), "cot: stale")
@@ -152,10 +158,6 @@ def cot(verdict, datagrams, lines):
 
 
 def nmea(verdict, datagrams, lines):
-    by_place = {}
-    for line in lines:
-        at = datetime.fromtimestamp(milliseconds(line["time"]) // 10 / 100, timezone.utc)
-        by_place[line["id"], at.strftime("%H%M%S.%f")[:9]] = line
     for datagram in datagrams:
         text = datagram.decode("ascii")
         sentence = pynmea2.parse(text, check=True)
@@ -163,7 +165,8 @@ def nmea(verdict, datagrams, lines):
         verdict.reports["nmea " + sentence.sentence_type] += 1
         fields = sentence.data
         number, at = (int(fields[10]), fields[13]) if sentence.sentence_type == "TTM" else (int(fields[5]), fields[6])
-        line = by_place.get((number, at))
+        day_s = int(at[:2]) * 3600 + int(at[2:4]) * 60 + float(at[4:])
+        line = line_of(lines, number, day_s, 0.0111, lambda line: milliseconds(line["time"]) / 1000 % 86_400)
         verdict.require(line is not None, f"nmea: no line for {text!r}")
         if line and sentence.sentence_type == "TTM":
             east, north = line["east_m"], line["north_m"]
