@@ -20,7 +20,7 @@ use common::config::{self, Sites, Speed};
 use common::process::{BadInput, StageArgs};
 use recorder::window::Window;
 
-use crate::checks::{chaos, compare, doctor, soak};
+use crate::checks::{chaos, compare, doctor, soak, source};
 use crate::watch::status;
 
 /// Configuration of the default run, in the folder the command is given in.
@@ -90,11 +90,22 @@ enum Command {
         #[command(flatten)]
         run: RunArgs,
     },
-    /// Check this machine and say how to fix what is missing
+    /// Check this machine and say how to fix what is missing, or tell what radars on the network say
     ///
-    /// Example: radar-chain doctor --config config/uav.toml
+    /// Examples:
+    ///   radar-chain doctor --config config/uav.toml
+    ///   radar-chain doctor --source 'udp://239.192.86.68:8668?interface=eth0'
     #[command(verbatim_doc_comment)]
-    Doctor(StatusArgs),
+    Doctor {
+        /// Listen there in place of checking the machine, and propose a configuration
+        #[arg(long, value_name = "udp://ADDRESS:PORT")]
+        source: Option<String>,
+        /// How long to listen
+        #[arg(long, default_value = "60s", requires = "source", value_parser = parse_duration)]
+        duration: Duration,
+        #[command(flatten)]
+        status: StatusArgs,
+    },
     /// Show the processes of a running chain
     ///
     /// Example: radar-chain status --ipc-prefix north --json
@@ -363,8 +374,11 @@ fn main() -> ExitCode {
         Command::Compare { a, b, tolerance } => {
             common::process::run("radar-chain", || compare::compare(&a, &b, tolerance))
         }
-        Command::Doctor(args) => {
-            common::process::run("radar-chain", || doctor::doctor(&args.chain.load(Vec::new())?, args.json))
+        Command::Doctor { source: Some(source), duration, .. } => {
+            common::process::run("radar-chain", || source::hear(&source, duration))
+        }
+        Command::Doctor { status, .. } => {
+            common::process::run("radar-chain", || doctor::doctor(&status.chain.load(Vec::new())?, status.json))
         }
         Command::Hop(args) => common::process::run("bare-hop", || soak::hop(&args)),
         Command::Status(args) => {

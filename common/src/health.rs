@@ -50,11 +50,13 @@ pub enum Reject {
     UnreadByte,
     /// A track whose numbers are no estimate.
     BadTrack,
+    /// A track or plot that the format of an output cannot say.
+    NotSayable,
 }
 
 impl Reject {
     /// All reasons with their names in reports.
-    const NAMED: [(Self, &'static str); 17] = [
+    const NAMED: [(Self, &'static str); 18] = [
         (Self::LengthMismatch, "length_mismatch"),
         (Self::BadHeader, "bad_header"),
         (Self::BadAmplitude, "bad_amplitude"),
@@ -72,6 +74,7 @@ impl Reject {
         (Self::ForeignSource, "foreign_source"),
         (Self::UnreadByte, "unread_byte"),
         (Self::BadTrack, "bad_track"),
+        (Self::NotSayable, "not_sayable"),
     ];
 }
 

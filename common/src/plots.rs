@@ -202,4 +202,11 @@ impl Row<PlotsHeader> for Plot {
         table.put_if(self.target_id != 0, "target_id", Value::U32(self.target_id))?;
         Ok(())
     }
+
+    /// Without elevation, on the horizontal plane of the antenna.
+    fn position_m(&self) -> Option<[f64; 3]> {
+        let (sin, cos) = self.elevation_rad.sin_cos();
+        let (east, north) = self.azimuth_rad.sin_cos();
+        Some([self.range_m * cos * east, self.range_m * cos * north, self.range_m * sin])
+    }
 }
