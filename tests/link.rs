@@ -26,7 +26,9 @@ fn start_receiver(bench: &Bench, port: u16, more: &[&str]) -> Running {
         "[site]\nname = \"small\"\n[run]\nsource = \"link\"\nscans = 0\n[link]\nlisten = [\"tcp/127.0.0.1:{port}\"]\n"
     );
     std::fs::write(&config, text).expect("a configuration");
-    bench.start_config(&config, more)
+    let running = bench.start_config(&config, more);
+    bench.wait_for("the receiver", |status| number(status, LINK_IN, "pid"));
+    running
 }
 
 /// The chain of the small radar, which sends its tracks.

@@ -128,6 +128,8 @@ pub enum Condition {
     UpstreamSilent,
     /// The process itself does not keep up.
     Slow,
+    /// The process waits for another host, and those upstream wait for it.
+    HeldUp,
 }
 
 impl Condition {
@@ -137,12 +139,16 @@ impl Condition {
             Self::Fine => "fine",
             Self::UpstreamSilent => "upstream silent",
             Self::Slow => "slow",
+            Self::HeldUp => "waits for another host",
         }
     }
 
     /// From its number in [`Health::condition`].
     pub fn of(number: u32) -> Self {
-        [Self::Fine, Self::UpstreamSilent, Self::Slow].into_iter().find(|&it| it as u32 == number).unwrap_or_default()
+        [Self::Fine, Self::UpstreamSilent, Self::Slow, Self::HeldUp]
+            .into_iter()
+            .find(|&it| it as u32 == number)
+            .unwrap_or_default()
     }
 }
 

@@ -381,6 +381,10 @@ impl Header for TracksHeader {
         Some(&self.lineage)
     }
 
+    fn forget_upstream(&mut self) {
+        self.lineage.forget_upstream();
+    }
+
     fn each_stamp(&mut self, visit: &mut dyn FnMut(&mut u64)) {
         self.stamps.each(visit);
     }
