@@ -136,6 +136,16 @@ impl Output {
 
     /// Does what is due: connects, hears, answers, sends what waits.
     pub fn attend(&mut self) {
+        self.exchange();
+        self.format.tick(SystemTime::now(), &mut self.frames);
+        if self.frames.iter().next().is_some() {
+            self.send();
+            self.exchange();
+        }
+    }
+
+    /// Lets the line do what it can, and the format know at once: what it says next may be for another peer.
+    fn exchange(&mut self) {
         self.line.attend(Instant::now(), &mut self.events);
         for event in self.events.drain(..) {
             match event {
@@ -143,18 +153,13 @@ impl Output {
                 Event::Heard(octets) => self.format.heard(&octets),
             }
         }
-        self.format.tick(SystemTime::now(), &mut self.frames);
-        if self.frames.iter().next().is_some() {
-            self.send();
-            self.line.attend(Instant::now(), &mut self.events);
-        }
     }
 
     /// Says its last words; [`Self::attend`] sends them while [`Self::is_waiting`].
     pub fn close(&mut self) {
         self.format.close(SystemTime::now(), &mut self.frames);
         self.send();
-        self.line.attend(Instant::now(), &mut self.events);
+        self.exchange();
     }
 
     /// Whether frames wait for a peer.

@@ -31,6 +31,7 @@ pub struct Hearing {
 struct Radar {
     reports: u64,
     primary: u64,
+    simulated: u64,
     artificial: u64,
     heights: u64,
     range_rates: u64,
@@ -80,6 +81,7 @@ impl Radar {
         self.reports += 1;
         self.primary += u64::from(report.primary);
         let of = report.artificial;
+        self.simulated += u64::from(of.simulated);
         self.artificial += u64::from(of.simulated || of.test || of.monitor);
         self.heights += u64::from(report.height_m.or(report.pressure_height_m).is_some());
         self.range_rates += u64::from(report.radial_velocity_mps.is_some());
@@ -209,6 +211,9 @@ impl Hearing {
                 let _ = writeln!(plots, "scan_period_s = {turn_s:.3}");
             }
             let _ = writeln!(plots, "coverage_range_m = {:.1}", radar.coverage_m());
+            if radar.simulated * 2 > radar.reports {
+                let _ = writeln!(plots, "use_simulated = true");
+            }
         }
         self.has_radars().then_some(text)
     }
@@ -218,13 +223,14 @@ impl Hearing {
 mod tests {
     use super::*;
     use asterix::BlockWriter;
+    use asterix::report::Artificial;
     use asterix::tables::{CAT034_1_29, CAT048_1_32};
     use asterix::{cat034, cat048};
     use std::path::Path;
 
     const NOON: u32 = 12 * 3600 * 128;
 
-    fn datagram(sic: u8, turn: u32) -> Vec<u8> {
+    fn datagram(sic: u8, turn: u32, is_simulated: bool) -> Vec<u8> {
         let source = Some(SourceId { sac: 25, sic });
         let time_of_day = Some(TimeOfDay { steps: NOON + turn * 512, period: TimeOfDay::DAY });
         let mut octets = Vec::new();
@@ -233,7 +239,8 @@ mod tests {
         let mut block = BlockWriter::new(CAT034_1_29, &mut octets);
         block.record(|record| cat034::write(&north, record)).expect("it can be written");
         let polar = Some((43_210.0, 1.0));
-        let report = TargetReport { source, time_of_day, primary: true, polar, ..TargetReport::default() };
+        let artificial = Artificial { simulated: is_simulated, ..Artificial::default() };
+        let report = TargetReport { source, time_of_day, primary: true, artificial, polar, ..TargetReport::default() };
         let mut block = BlockWriter::new(CAT048_1_32, &mut octets);
         block.record(|record| cat048::write(&report, record)).expect("it can be written");
         octets
@@ -244,7 +251,7 @@ mod tests {
         for turn in 0..5 {
             for &sic in sics {
                 let after_s = f64::from(turn) * 4.0;
-                hearing.take(&datagram(sic, turn), &editions, after_s, 43_200.25 + after_s);
+                hearing.take(&datagram(sic, turn, sics.len() > 1), &editions, after_s, 43_200.25 + after_s);
             }
         }
         hearing.take(&[48, 0, 200, 0xf0, 1], &editions, 26.0, 43_226.0);
@@ -276,7 +283,7 @@ mod tests {
             let sites = common::config::parse_sites(Path::new("proposal"), &text, &[]).expect(&text);
             assert_eq!(sites.names(), names);
             for site in sites.all() {
-                assert_eq!(site.plot_source.scan_period_s, 4.0);
+                assert_eq!((site.plot_source.scan_period_s, site.plot_source.use_simulated), (4.0, sics.len() > 1));
                 assert_eq!(
                     (site.plot_source.listen[0].as_str(), site.plot_source.coverage_range_m),
                     (source, 50_000.0)

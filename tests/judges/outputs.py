@@ -202,9 +202,9 @@ def judge_sapient(verdict, messages, lines):
         verdict.require(len(near) == 1, f"sapient: {len(near)} lines for {report.object_id} at {at}")
         for line in near[:1]:
             verdict.require(objects.setdefault(line["id"], report.object_id) == report.object_id, "sapient: identity")
-            verdict.compare("sapient", "latitude", line["latitude_deg"], report.location.y, 0)
-            verdict.compare("sapient", "longitude", line["longitude_deg"], report.location.x, 0)
-            verdict.compare("sapient", "east rate", line["east_mps"], report.enu_velocity.east_rate, 0)
+            verdict.compare("sapient detection_report", "latitude", line["latitude_deg"], report.location.y, 0)
+            verdict.compare("sapient detection_report", "longitude", line["longitude_deg"], report.location.x, 0)
+            verdict.compare("sapient detection_report", "east rate", line["east_mps"], report.enu_velocity.east_rate, 0)
             verdict.require((line["state"] == "ended") == (report.state == "lost"), "sapient: lost")
     verdict.require(len(set(objects.values())) == len(objects), "sapient: identities of several tracks")
 

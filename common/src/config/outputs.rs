@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::ChainConfig;
-use super::load::{ConfigError, not_negative, positive, require, within};
+use super::load::{ConfigError, require, seconds, seconds_or_none, within};
 
 /// What goes to another system, where and how. Nothing leaves this machine unless `to` or `interface` names an address that does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -26,7 +26,7 @@ pub struct OutputConfig {
     pub site: String,
     /// Address of the interface that a group is reached by.
     pub interface: Ipv4Addr,
-    /// Networks that datagrams to a group may cross: 1 stays on the first one.
+    /// Networks that datagrams to a group may cross: 0 stays on this machine, 1 on the first network.
     pub hops: u8,
     /// Octets that wait for a slow peer; what comes while they fill the room is dropped and counted.
     pub queue_bytes: usize,
@@ -193,10 +193,9 @@ impl OutputConfig {
     pub(super) fn check(&self, name: &str, chain: &ChainConfig) -> Result<(), ConfigError> {
         let key = |of: &str| format!("outputs.{name}.{of}");
         within(&key("queue_bytes"), self.queue_bytes as u64, 1 << 16..=1 << 30)?;
-        within(&key("hops"), self.hops.into(), 1..=255)?;
-        not_negative(&key("interval_s"), self.interval_s)?;
-        positive(&key("stale_s"), self.stale_s)?;
-        positive(&key("status_s"), self.status_s)?;
+        seconds_or_none(&key("interval_s"), self.interval_s)?;
+        seconds(&key("stale_s"), self.stale_s)?;
+        seconds(&key("status_s"), self.status_s)?;
         let to = "udp://ADDRESS:PORT, tcp://ADDRESS:PORT or tcp-listen://ADDRESS:PORT";
         let shown = if self.to.is_empty() { "not given" } else { &self.to };
         let destination = self.destination();

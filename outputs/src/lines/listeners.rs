@@ -42,6 +42,7 @@ impl Listeners {
                 }
             } else if stream.set_nonblocking(true).is_ok() {
                 self.peers.push(Outbox::new(stream, self.room, now));
+                self.full = false;
             }
         }
     }

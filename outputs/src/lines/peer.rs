@@ -38,7 +38,7 @@ pub struct Peer {
 enum State {
     Apart { since: Option<Instant> },
     Connecting { socket: OwnedFd, since: Instant },
-    Connected(Outbox),
+    Connected { outbox: Outbox, since: Instant },
 }
 
 impl Peer {
@@ -75,12 +75,14 @@ impl Peer {
     }
 
     fn leave(&mut self, error: &io::Error, now: Instant) {
-        if let State::Connected(outbox) = &mut self.state {
+        // A peer that hangs up at once is no better than one that is away.
+        self.pause = (self.pause * 2).min(LONGEST_PAUSE);
+        if let State::Connected { outbox, since } = &mut self.state {
             self.counts.sent += outbox.take_sent();
             self.counts.dropped += outbox.waiting();
-            self.pause = PAUSE;
-        } else {
-            self.pause = (self.pause * 2).min(LONGEST_PAUSE);
+            if now.saturating_duration_since(*since) > LONGEST_PAUSE {
+                self.pause = PAUSE;
+            }
         }
         self.state = State::Apart { since: Some(now) };
         if !std::mem::replace(&mut self.told, true) {
@@ -97,14 +99,14 @@ impl Peer {
             State::Connecting { socket, since } => {
                 if Self::has_answered(socket, *since, now)? {
                     let stream = TcpStream::from(socket.try_clone()?);
-                    self.state = State::Connected(Outbox::new(stream, self.room, now));
-                    (self.pause, self.told) = (PAUSE, false);
+                    self.state = State::Connected { outbox: Outbox::new(stream, self.room, now), since: now };
+                    self.told = false;
                     events.push(Event::Opened);
                     tell(&format!("output `{}`: connected to tcp://{}", self.name, self.to));
                 }
                 Ok(())
             }
-            State::Connected(outbox) => {
+            State::Connected { outbox, .. } => {
                 for _ in 0..READS {
                     match outbox.read()? {
                         Some(octets) => events.push(Event::Heard(octets)),
@@ -121,7 +123,7 @@ impl Peer {
 
 impl Line for Peer {
     fn send(&mut self, frame: &[u8]) {
-        let taken = if let State::Connected(outbox) = &mut self.state { outbox.push(frame) } else { false };
+        let taken = if let State::Connected { outbox, .. } = &mut self.state { outbox.push(frame) } else { false };
         self.counts.dropped += u64::from(!taken);
     }
 
@@ -136,7 +138,7 @@ impl Line for Peer {
     }
 
     fn is_waiting(&self) -> bool {
-        matches!(&self.state, State::Connected(outbox) if outbox.waiting() > 0)
+        matches!(&self.state, State::Connected { outbox, .. } if outbox.waiting() > 0)
     }
 }
 
@@ -207,7 +209,7 @@ mod tests {
         let mut now = Instant::now();
         peer.attend(now, &mut Vec::new());
         assert!(peer.is_waiting());
-        while matches!(peer.state, State::Connected(_)) {
+        while matches!(peer.state, State::Connected { .. }) {
             now += Duration::from_secs(11); // the clock of the test
             peer.attend(now, &mut Vec::new());
         }

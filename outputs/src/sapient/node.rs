@@ -47,6 +47,8 @@ pub struct EdgeNode {
     session: u64,
     reports: u64,
     latency_ns: u64,
+    /// Tracks have come since the last tick.
+    has_news: bool,
     tracks_at: Option<SystemTime>,
     status_at: Option<SystemTime>,
     last_system: Option<i32>,
@@ -82,6 +84,7 @@ impl EdgeNode {
             session,
             reports: 0,
             latency_ns: 0,
+            has_news: false,
             tracks_at: None,
             status_at: None,
             last_system: None,
@@ -220,7 +223,7 @@ impl EdgeNode {
 impl Format for EdgeNode {
     fn tracks(&mut self, update: &Update<'_>, out: &mut Frames) {
         self.latency_ns = self.latency_ns.max(update.latency_ns);
-        self.tracks_at = Some(SystemTime::now());
+        self.has_news = true;
         if self.standing != Standing::Accepted {
             return;
         }
@@ -251,6 +254,9 @@ impl Format for EdgeNode {
 
     fn tick(&mut self, now: SystemTime, out: &mut Frames) {
         let at = since_1970(now);
+        if std::mem::take(&mut self.has_news) {
+            self.tracks_at = Some(now);
+        }
         if self.standing == Standing::Connected && self.tracks_at.is_some() {
             let registration = registration(&self.site, self.class, self.status_s, self.latency_ns);
             self.send(at, Content::Registration(registration), out);
@@ -274,6 +280,7 @@ impl Format for EdgeNode {
             let at = since_1970(now);
             let status = self.status(at, SYSTEM_GOODBYE);
             self.send(at, Content::StatusReport(status), out);
+            self.standing = Standing::Apart; // nothing comes after it
         }
     }
 
