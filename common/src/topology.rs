@@ -127,7 +127,8 @@ pub const STAGES: [Stage; 11] = [
         name: LINK_IN,
         role: Role::Source(Source::Link),
         inputs: &[],
-        outputs: &[Topic::Plots, Topic::Tracks, Topic::Truth, Topic::SystemTracks],
+        // Truth, whose messages do not count themselves, is the first: the others are counted where they were made.
+        outputs: &[Topic::Truth, Topic::Plots, Topic::Tracks, Topic::SystemTracks],
     },
     Stage { name: "plot-extractor", role: Role::Processor, inputs: &[always(Topic::Dwells)], outputs: &[Topic::Plots] },
     Stage { name: "tracker", role: Role::Processor, inputs: &[always(Topic::Plots)], outputs: &[Topic::Tracks] },
