@@ -99,7 +99,8 @@ fn a_display_that_is_killed_or_stands_still_changes_no_byte() {
     assert!(output.status.success(), "{}", text_of(&output));
     let report = bench.report();
     assert_eq!((report.scans, report.lost(), report.comparable), (60, 0, true), "{}", text_of(&output));
-    assert_eq!(report.processes["display"].restarts, 1);
+    // Once for the kill, and perhaps again: one that says nothing for long is started anew.
+    assert!(report.processes["display"].restarts >= 1);
     assert_eq!(difference(&quiet, &bench), None);
     assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
 }

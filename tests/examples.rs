@@ -1,5 +1,5 @@
-//! The examples against live chains. Those in Python need the package `iceoryx2` of PyPI; without it their tests say that they
-//! are left out, except where `CI` is set.
+//! The examples against live chains. Those in Python need packages of PyPI, `iceoryx2` or `requests` and `websockets`; without
+//! them their tests say that they are left out, except where `CI` is set.
 
 mod support;
 
@@ -11,17 +11,26 @@ use support::{Bench, output, small_config, text_of};
 
 fn python(example: &str, bench: &Bench) -> Command {
     let mut command = Command::new("python3");
-    command.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/python").join(example));
+    command.arg(script(example));
     command.args(["--prefix", bench.prefix(), "--root"]).arg(bench.path(""));
     command
 }
 
+fn script(example: &str) -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/python").join(example)
+}
+
 fn is_left_out() -> bool {
-    let present = Command::new("python3").args(["-c", "import iceoryx2"]).output();
+    lacks("iceoryx2", "iceoryx2==0.10.0")
+}
+
+/// Whether Python lacks modules, which the packages of PyPI bring.
+fn lacks(modules: &str, packages: &str) -> bool {
+    let present = Command::new("python3").args(["-c", &format!("import {modules}")]).output();
     let present = present.is_ok_and(|output| output.status.success());
-    assert!(present || std::env::var_os("CI").is_none(), "python3 with the package iceoryx2 is missing");
+    assert!(present || std::env::var_os("CI").is_none(), "python3 with {modules} is missing");
     if !present {
-        eprintln!("left out: python3 with the package iceoryx2 is missing (pip install iceoryx2==0.10.0)");
+        eprintln!("left out: python3 with {modules} is missing (pip install {packages})");
     }
     !present
 }
@@ -50,6 +59,37 @@ fn an_observer_in_python_sees_the_tracks() {
     // The targets fly at 18 and 21 m/s.
     assert!(speeds.len() == 20 && speeds.iter().all(|speed| (10.0..30.0).contains(speed)), "{speeds:?}");
     assert_eq!(bench.report().lost(), 0);
+}
+
+/// Tracks over HTTP and WebSocket, with the packages `requests` and `websockets`.
+#[test]
+fn a_program_in_python_reads_tracks_over_http() {
+    if lacks("requests, websockets", "requests websockets") {
+        return;
+    }
+    let bench = Bench::new();
+    let display = ["--set", "display.enabled=true", "--set", "display.listen='127.0.0.1:0'"];
+    let running = bench.start(&[&["--scans", "0", "--speed", "4"], &display[..]].concat());
+    bench.wait_for("tracks", |status| support::number(status, "tracker", "confirmed").filter(|&tracks| tracks == 2));
+    let picture = std::fs::read_to_string(bench.root().join(display::process::ADDRESS_FILE)).expect("its address");
+    let mut reader = Command::new("python3");
+    let reader = reader
+        .arg(script("tracks_over_http.py"))
+        .arg(picture.trim())
+        .env("PYTHONUNBUFFERED", "1")
+        .stdout(Stdio::piped());
+    let mut reader = reader.spawn().expect("python3");
+    let lines: Vec<String> = BufReader::new(reader.stdout.take().expect("its output"))
+        .lines()
+        .map(|line| line.expect("a line"))
+        .take(20)
+        .collect();
+    reader.kill().expect("the reader");
+    reader.wait().expect("the reader");
+    let ended = running.stop();
+    assert!(ended.status.success(), "{}", text_of(&ended));
+    let is_track = |line: &String| line.starts_with("small track ") && line.ends_with(" m north");
+    assert!(lines.len() == 20 && lines.iter().all(is_track), "{lines:?}");
 }
 
 #[test]

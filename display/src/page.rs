@@ -1,14 +1,7 @@
 //! The page: its files, inside the program.
 
-/// Names, types and contents of the files in `display/page/`.
-macro_rules! files {
-    ($($name:literal),+ $(,)?) => {
-        /// The files of the page by name.
-        const FILES: [(&str, &[u8]); [$($name),+].len()] = [$(($name, include_bytes!(concat!("../page/", $name)))),+];
-    };
-}
-
-files!("index.html");
+/// Names and contents of the files in `display/page/`.
+const FILES: &[(&str, &[u8])] = &include!(concat!(env!("OUT_DIR"), "/page.rs"));
 
 /// A file of the page: its type and its content.
 pub(crate) fn asset(name: &str) -> Option<(&'static str, &'static [u8])> {
@@ -28,13 +21,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_file_of_the_page_is_in_the_program() {
-        let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/page")).expect("the page");
-        let mut there: Vec<_> =
-            folder.map(|of| of.expect("a file").file_name().to_string_lossy().into_owned()).collect();
-        there.sort_unstable();
-        let mut known: Vec<_> = FILES.iter().map(|(name, _)| (*name).to_string()).collect();
-        known.sort_unstable();
-        assert_eq!(there, known);
+    fn what_the_page_names_is_in_the_program_with_its_type() {
+        let (kind, page) = asset("index.html").expect("the page");
+        assert_eq!(kind, "text/html; charset=utf-8");
+        let named = std::str::from_utf8(page).expect("text").split("/assets/").skip(1);
+        let names: Vec<_> = named.filter_map(|rest| rest.split('"').next()).collect();
+        assert!(
+            names.iter().any(|name| name.ends_with(".js")) && names.iter().any(|name| name.ends_with(".css")),
+            "{names:?}"
+        );
+        for name in names {
+            assert!(asset(name).is_some_and(|(kind, _)| kind != "application/octet-stream"), "{name}");
+        }
+        assert!(asset("../Cargo.toml").is_none());
     }
 }

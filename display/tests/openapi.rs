@@ -89,7 +89,7 @@ fn description() -> Value {
             "version": "1",
             "description": "What a radar chain sees, as its page reads it. Metres east, north and up of the first site's antenna, \
                 radians, azimuth clockwise from north, seconds UTC of measurement; null is what is not known. Live data is sent \
-                over the WebSocket /api/v1/live, described in docs/display.md.",
+                over the WebSocket /api/v1/live, described in docs/display-api.md.",
             "license": {"name": "MIT OR Apache-2.0", "url": "https://spdx.org/licenses/MIT.html"}
         },
         "servers": [{"url": "http://127.0.0.1:8080"}],

@@ -116,7 +116,7 @@ fn paths_queries_and_methods_that_there_are_not_are_named() {
     error("/api/v1/sites/site1/tracks/8", 404, "`8`");
     error("/api/v1/sites/site1/tracks/abc", 404, "`abc`");
     error("/api/v1/sites/site1/tracks?confirmed=maybe", 400, "confirmed");
-    error("/api/v1/events?before=1", 400, "before");
+    error("/api/v1/events?since=yesterday", 400, "since");
     error("/api/v1/live", 400, "WebSocket");
     let mut stream = connect(address);
     stream

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::load::{ConfigError, require, within};
 
-/// Where the picture is served, to whom, and what viewers may do.
+/// Where the picture is served, and to whom.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DisplayConfig {
@@ -17,15 +17,13 @@ pub struct DisplayConfig {
     pub listen: String,
     /// File with the token that viewers must show, its first line; empty for none, which is allowed on loopback only.
     pub token_file: String,
-    /// Whether viewers may acquire, drop and label tracks and set zones.
-    pub control: bool,
     /// Viewers at once; further ones are told to come back later.
     pub clients: u32,
 }
 
 impl Default for DisplayConfig {
     fn default() -> Self {
-        Self { enabled: true, listen: "127.0.0.1:8080".into(), token_file: String::new(), control: false, clients: 64 }
+        Self { enabled: true, listen: "127.0.0.1:8080".into(), token_file: String::new(), clients: 64 }
     }
 }
 

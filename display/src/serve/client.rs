@@ -38,6 +38,8 @@ pub(super) struct State {
     video: BTreeMap<SectorOf, Message>,
     dropped: u64,
     told: u64,
+    /// It has been told what there is to see; before that it gets nothing else.
+    greeted: bool,
     /// It was too slow, and gets nothing before it begins anew.
     behind: bool,
 }
@@ -56,10 +58,14 @@ impl Client {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes what it wants or gives it messages, and wakes it.
-    pub(super) fn with(&self, change: impl FnOnce(&mut State)) {
-        change(&mut self.state());
-        self.news.notify_one();
+    /// Changes what it wants or gives it messages, and wakes it if something waits for it then.
+    pub(super) fn with<T>(&self, change: impl FnOnce(&mut State) -> T) -> T {
+        let mut state = self.state();
+        let changed = change(&mut state);
+        if state.has_news() {
+            self.news.notify_one();
+        }
+        changed
     }
 
     /// What it is to be sent next, as soon as there is something.
@@ -106,6 +112,12 @@ impl State {
         replaced
     }
 
+    /// Gives it the first message, after which it gets others.
+    pub(super) fn greet(&mut self, hello: Message) {
+        self.push_always(hello);
+        self.greeted = true;
+    }
+
     /// Forgets what waits: it is of a picture that is no more.
     pub(super) fn clear(&mut self) {
         self.queue.clear();
@@ -117,6 +129,15 @@ impl State {
     pub(super) fn untold(&mut self) -> Option<u64> {
         let told = std::mem::replace(&mut self.told, self.dropped);
         (told != self.dropped).then_some(self.dropped)
+    }
+
+    /// Whether it has been given its first message.
+    pub(super) fn is_greeted(&self) -> bool {
+        self.greeted
+    }
+
+    fn has_news(&self) -> bool {
+        self.behind || !self.queue.is_empty() || !self.video.is_empty()
     }
 
     fn next(&mut self) -> Option<Next> {
@@ -157,12 +178,14 @@ mod tests {
     #[test]
     fn of_video_the_latest_of_each_sector_waits_behind_everything_else() {
         let mut state = State::default();
+        state.greet(text("hello"));
+        assert!(state.is_greeted());
         assert!(!state.push_video((0, 1), text("1 of scan 0")));
         assert!(!state.push_video((0, 0), text("0 of scan 1")));
         assert!(state.push_video((0, 1), text("1 of scan 1")));
         state.push(text("tracks"));
         let order: Vec<_> = std::iter::from_fn(|| sent(&mut state)).collect();
-        assert_eq!(order, ["tracks", "0 of scan 1", "1 of scan 1"]);
+        assert_eq!(order, ["hello", "tracks", "0 of scan 1", "1 of scan 1"]);
         assert_eq!((state.untold(), state.untold()), (Some(1), None));
     }
 

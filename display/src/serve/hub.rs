@@ -119,8 +119,7 @@ impl Hub {
     fn each(&self, mut give: impl FnMut(&mut State) -> bool) {
         let clients = self.clients.lock().unwrap_or_else(PoisonError::into_inner);
         for client in clients.iter() {
-            let mut given = false;
-            client.with(|state| given = give(state));
+            let given = client.with(|state| state.is_greeted() && give(state));
             self.sent.fetch_add(given.into(), Ordering::Relaxed);
         }
     }

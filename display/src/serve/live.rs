@@ -88,7 +88,7 @@ impl Drop for Viewer {
 impl Viewer {
     async fn attend(&self, socket: WebSocket) {
         let (sink, stream) = socket.split();
-        self.client.with(|state| self.served.greet(state));
+        self.served.greet(&self.client);
         tokio::select! {
             () = self.hear(stream) => {}
             _ = self.send(sink) => {}
@@ -194,9 +194,7 @@ impl Viewer {
 
     /// Adds an answer, unless the viewer takes none.
     fn tell(&self, text: String) {
-        self.client.with(|state| {
-            state.push(Message::Text(text.into()));
-        });
+        self.client.with(|state| state.push(Message::Text(text.into())));
     }
 }
 

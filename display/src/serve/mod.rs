@@ -41,7 +41,7 @@ use crate::wire::tracks::{StampsUs, TRACKS, TrackRow, TracksHead};
 use crate::wire::truth::{SYSTEM_TRACKS, ScanHead, SystemRow, TRUTH, TruthRow};
 
 pub use access::Access;
-use client::State;
+use client::{Client, State};
 pub use hub::Counts;
 use hub::{Hub, Kind};
 pub use server::{bind, serve};
@@ -181,10 +181,10 @@ impl Served {
         self.hub.begin_anew(|state| Self::show_all(&picture, state));
     }
 
-    /// Gives a viewer that has just come what everybody is told first.
-    fn greet(&self, state: &mut State) {
-        let hello = self.hello(&self.picture());
-        state.push_always(Message::Text(hello.into()));
+    /// Gives a viewer that has just come what everybody is told first. The picture is locked before a viewer, everywhere.
+    fn greet(&self, client: &Client) {
+        let picture = self.picture();
+        client.with(|state| state.greet(Message::Text(self.hello(&picture).into())));
     }
 
     /// Puts the whole picture into the queue of a viewer, after word that it begins anew.
@@ -241,7 +241,7 @@ impl Served {
     /// What there is to see.
     fn chain(&self, picture: &Picture) -> Chain {
         let extent = self.recording.as_ref().map(|(extent, _)| *extent);
-        Chain::new(&self.sites, picture, false, extent)
+        Chain::new(&self.sites, picture, extent)
     }
 
     fn tell_health(&self, picture: &Picture) {

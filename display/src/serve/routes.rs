@@ -110,7 +110,6 @@ fn list<R>(columns: &[Column<R>], rows: &[R]) -> Response {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct OfTracks {
     #[serde(default)]
     confirmed: bool,
@@ -162,7 +161,6 @@ async fn system_tracks(State(served): Shared) -> Response {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct OfEvents {
     #[serde(default)]
     since: u64,

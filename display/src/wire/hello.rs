@@ -43,7 +43,7 @@ pub struct Chain {
     pub program: &'static str,
     /// Where the picture comes from.
     pub mode: Mode,
-    /// Whether viewers may act.
+    /// Whether viewers may act: not in this version.
     pub control: bool,
     /// Where the first antenna stands (WGS-84), if that is known: the origin of the picture.
     pub origin: Option<Place>,
@@ -132,7 +132,7 @@ impl<'a> Hello<'a> {
 
 impl Chain {
     /// What there is to see of these sites.
-    pub fn new(sites: &Sites, picture: &Picture, control: bool, recording: Option<Extent>) -> Self {
+    pub fn new(sites: &Sites, picture: &Picture, recording: Option<Extent>) -> Self {
         let place = |of: Position| Place {
             latitude_deg: of.latitude_deg,
             longitude_deg: of.longitude_deg,
@@ -143,7 +143,7 @@ impl Chain {
             version: VERSION,
             program: env!("CARGO_PKG_VERSION"),
             mode: if recording.is_some() { Mode::Recording } else { Mode::Live },
-            control,
+            control: false,
             origin: sites.first().site.position.map(place),
             sites: of_sites.map(|(site, picture)| Site::new(site, picture)).collect(),
             stages: stages(sites),
@@ -217,7 +217,7 @@ mod tests {
     #[test]
     fn the_default_chain_introduces_itself() {
         let sites = Sites::one(ChainConfig::default());
-        let chain = Chain::new(&sites, &Picture::new(&sites), false, None);
+        let chain = Chain::new(&sites, &Picture::new(&sites), None);
         let hello = serde_json::to_value(Hello::new(&chain)).expect("JSON");
         assert_eq!((hello["type"].as_str(), hello["mode"].as_str()), (Some("hello"), Some("live")));
         let site = &hello["sites"][0];

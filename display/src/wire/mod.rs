@@ -1,4 +1,4 @@
-//! What clients are sent, and what they ask for: `docs/display.md` describes it for programs.
+//! What clients are sent, and what they ask for: `docs/display-api.md` describes it for programs.
 
 pub mod columns;
 pub mod explain;
