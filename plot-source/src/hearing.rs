@@ -296,7 +296,6 @@ mod tests {
     #[test]
     fn times_are_compared_across_midnight() {
         let late = TimeOfDay { steps: TimeOfDay::DAY - 128, period: TimeOfDay::DAY };
-        assert_eq!(delay_s(1.0, late), 2.0);
-        assert_eq!(delay_s(86_397.0, late), -2.0);
+        assert_eq!((delay_s(1.0, late), delay_s(86_397.0, late)), (2.0, -2.0));
     }
 }
