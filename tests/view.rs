@@ -107,7 +107,9 @@ fn what_is_no_recording_is_said_in_a_line() {
     let recording = recorded(&bench);
     let text = bench.path("notes.txt");
     std::fs::write(&text, "nothing of a radar").expect("written");
-    for (file, expected) in [(text.as_path(), "expected a recording (MCAP)"), (Path::new("/no/such.mcap"), "cannot open")] {
+    for (file, expected) in
+        [(text.as_path(), "expected a recording (MCAP)"), (Path::new("/no/such.mcap"), "cannot open")]
+    {
         let result = output(radar_chain().arg("view").arg(file));
         assert_eq!(result.status.code(), Some(2), "{}", text_of(&result));
         assert!(text_of(&result).contains(expected), "{}", text_of(&result));

@@ -93,7 +93,9 @@ impl Plan<'_> {
             svg.text("note", [at[0] + 9.0, at[1] + 5.0], "start", &site.name);
         }
         for (_, plots) in site.last_scan() {
-            plots.iter().for_each(|plot| svg.circle("plot", scale.place(position_m(plot, &site.place)), 2.5));
+            for plot in plots {
+                svg.circle("plot", scale.place(position_m(plot, &site.place)), 2.5);
+            }
         }
         for target in site.truth.iter().flat_map(|(_, targets)| targets) {
             let [x, y] = scale.place(site.place.position_m(target.position_m()));
