@@ -42,7 +42,9 @@ fn recorded(bench: &Bench, topic: Topic) -> Vec<Recorded> {
     let read = |part: PathBuf| recording::open(&part).expect("a recording");
     let messages = bench.recordings().into_iter().flat_map(read).map(|message| message.expect("readable"));
     let mut messages: Vec<Recorded> = messages.filter(|message| message.by_ref().topic() == topic).collect();
-    messages.iter_mut().for_each(|message| message.header_mut().make_comparable());
+    for message in &mut messages {
+        message.header_mut().make_comparable();
+    }
     messages
 }
 

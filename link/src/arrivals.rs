@@ -119,7 +119,7 @@ mod tests {
                     self.back.push_back((self.arrivals.next(), self.arrivals.has_gap()));
                 }
             }
-            if self.now_ns % 100_000_000 == 0 && fate(0) > 0 {
+            if self.now_ns.is_multiple_of(100_000_000) && fate(0) > 0 {
                 self.arrivals.take(&Self::envelope(self.window.end(), self.window.oldest(), false));
                 self.back.push_back((self.arrivals.next(), false));
             }
