@@ -28,6 +28,7 @@ pub(crate) fn run_stage(name: &str, args: &StageArgs) -> anyhow::Result<ExitCode
         recorder::process::NAME => recorder::process::run(args),
         LINK_IN | LINK_OUT => become_the_program("link", args),
         display::process::NAME => display::process::run(args),
+        outputs::process::NAME => outputs::process::run(args),
         KEEPER => keeper::keep(args),
         other => anyhow::bail!("stage `{other}` is in the table of stages, but this program does not have it"),
     }

@@ -20,7 +20,7 @@ use common::config::{self, Sites, Speed};
 use common::process::{BadInput, StageArgs};
 use recorder::window::Window;
 
-use crate::checks::{chaos, compare, doctor, soak};
+use crate::checks::{chaos, compare, doctor, soak, source};
 use crate::watch::status;
 
 /// Configuration of the default run, in the folder the command is given in.
@@ -90,16 +90,65 @@ enum Command {
         #[command(flatten)]
         run: RunArgs,
     },
-    /// Check this machine and say how to fix what is missing
+    /// Check this machine and say how to fix what is missing, or tell what radars on the network say
     ///
-    /// Example: radar-chain doctor --config config/uav.toml
+    /// Examples:
+    ///   radar-chain doctor --config config/uav.toml
+    ///   radar-chain doctor --source 'udp://239.192.86.68:8668?interface=eth0'
     #[command(verbatim_doc_comment)]
-    Doctor(StatusArgs),
+    Doctor {
+        /// Listen there in place of checking the machine, and propose a configuration
+        #[arg(long, value_name = "udp://ADDRESS:PORT")]
+        source: Option<String>,
+        /// How long to listen
+        #[arg(long, default_value = "60s", requires = "source", value_parser = parse_duration)]
+        duration: Duration,
+        #[command(flatten)]
+        status: StatusArgs,
+    },
     /// Show the processes of a running chain
     ///
     /// Example: radar-chain status --ipc-prefix north --json
     #[command(verbatim_doc_comment)]
     Status(StatusArgs),
+    /// Show recordings in a browser: the picture of a running chain, with a time line
+    ///
+    /// Examples:
+    ///   radar-chain view recordings/uav-20261130T080000Z.000.mcap
+    ///   radar-chain view west.mcap east.mcap --listen 127.0.0.1:9000
+    #[command(verbatim_doc_comment)]
+    View {
+        /// Recordings of one run, one for each site; later parts beside them are found
+        #[arg(required = true)]
+        recordings: Vec<PathBuf>,
+        /// Where the picture is served
+        #[arg(long, value_name = "ADDRESS:PORT")]
+        listen: Option<String>,
+    },
+    /// Draw the plan of recordings at one time
+    ///
+    /// Example: radar-chain picture recordings/uav-20261130T080000Z.000.mcap --at 30 --out plan.svg
+    #[command(verbatim_doc_comment)]
+    Picture {
+        /// Recordings of one run, one for each site; later parts beside them are found
+        #[arg(required = true)]
+        recordings: Vec<PathBuf>,
+        /// Time from the begin of the recording, s; its end without it
+        #[arg(long, value_name = "SECONDS")]
+        at: Option<f64>,
+        /// How much of a track's way is shown, s
+        #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+        trail: f64,
+        /// Range of the plan, m; what the radars cover without it
+        #[arg(long, value_name = "METRES")]
+        range: Option<f64>,
+        /// Light on dark
+        #[arg(long)]
+        night: bool,
+        /// File to write, SVG
+        #[arg(long, default_value = "plan.svg")]
+        out: PathBuf,
+    },
     /// Print the effective configuration
     ///
     /// Examples:
@@ -363,13 +412,24 @@ fn main() -> ExitCode {
         Command::Compare { a, b, tolerance } => {
             common::process::run("radar-chain", || compare::compare(&a, &b, tolerance))
         }
-        Command::Doctor(args) => {
-            common::process::run("radar-chain", || doctor::doctor(&args.chain.load(Vec::new())?, args.json))
+        Command::Doctor { source: Some(source), duration, .. } => {
+            common::process::run("radar-chain", || source::hear(&source, duration))
+        }
+        Command::Doctor { status, .. } => {
+            common::process::run("radar-chain", || doctor::doctor(&status.chain.load(Vec::new())?, status.json))
         }
         Command::Hop(args) => common::process::run("bare-hop", || soak::hop(&args)),
         Command::Status(args) => {
             common::process::run("radar-chain", || status::status(&args.chain.load(Vec::new())?, args.json))
         }
+        Command::View { recordings, listen } => {
+            common::process::supervise("radar-chain", || display::view::run(&recordings, listen.as_deref()))
+        }
+        Command::Picture { recordings, at, trail, range, night, out } => common::process::run("radar-chain", || {
+            let request = display::plan::Request { at_s: at, trail_s: trail, range_m: range, night };
+            display::plan::draw(&recordings, &request, &out)?;
+            Ok(ExitCode::SUCCESS)
+        }),
         Command::Config { explain, docs, chain } => common::process::run("radar-chain", || {
             let text = match (explain, docs) {
                 (_, true) => config::reference(),

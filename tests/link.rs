@@ -26,7 +26,9 @@ fn start_receiver(bench: &Bench, port: u16, more: &[&str]) -> Running {
         "[site]\nname = \"small\"\n[run]\nsource = \"link\"\nscans = 0\n[link]\nlisten = [\"tcp/127.0.0.1:{port}\"]\n"
     );
     std::fs::write(&config, text).expect("a configuration");
-    bench.start_config(&config, more)
+    let running = bench.start_config(&config, more);
+    bench.wait_for("the receiver", |status| number(status, LINK_IN, "pid"));
+    running
 }
 
 /// The chain of the small radar, which sends its tracks.
@@ -74,7 +76,7 @@ fn another_host_has_the_same_tracks() {
 fn ends_that_are_killed_go_on() {
     let (here, there, port) = (Bench::new(), Bench::new(), free_port());
     let receiver = start_receiver(&there, port, &[]);
-    let sender = start_sender(&here, port, &["--scans", "60", "--speed", "8"]);
+    let sender = start_sender(&here, port, &["--scans", "0", "--speed", "8"]);
     let pid = there.wait_for("tracks there", |status| {
         number(status, LINK_IN, "scan").filter(|&scan| scan > 5).and(number(status, LINK_IN, "pid"))
     });
@@ -86,7 +88,7 @@ fn ends_that_are_killed_go_on() {
     let pid = here.wait_for("the sender", |status| number(status, LINK_OUT, "pid"));
     signal(pid as u32, "KILL");
     there.wait_for("tracks again", |status| number(status, LINK_IN, "scan").filter(|&now| now > scan + 4));
-    let result = sender.end();
+    let result = sender.stop();
     assert_eq!(result.status.code(), Some(1), "a stage was restarted: {}", text_of(&result));
     let result = receiver.end();
     assert_eq!(result.status.code(), Some(1), "a stage was restarted: {}", text_of(&result));

@@ -142,6 +142,33 @@ fn what_cannot_be_listened_to_is_one_line() {
     }
 }
 
+#[test]
+fn doctor_tells_what_a_radar_says_and_proposes_a_configuration() {
+    let line = SocketAddr::from(([239, 255, 86, 69], free_port()));
+    let stop = Arc::new(AtomicBool::new(false));
+    let radar = thread::spawn({
+        let stop = stop.clone();
+        move || turn([line, line], &stop)
+    });
+    let hear = |source: &str| {
+        let mut doctor = Command::new(env!("CARGO_BIN_EXE_radar-chain"));
+        output(doctor.args(["doctor", "--duration", "3s", "--source", source]))
+    };
+    let source = format!("udp://{line}?interface=lo");
+    let heard = hear(&source);
+    stop.store(true, Ordering::Relaxed);
+    radar.join().expect("the radar ends");
+    assert!(heard.status.success(), "{}", text_of(&heard));
+    let text = String::from_utf8_lossy(&heard.stdout);
+    let (told, proposal) = text.split_once("A configuration to begin with:").expect("a proposal");
+    assert!(told.contains("SAC 25 SIC 7") && told.contains("100 % primary"), "{told}");
+    let sites = common::config::parse_sites(Path::new("proposal"), proposal, &[]).expect("a configuration");
+    assert_eq!((sites.first().site.source_id(), &sites.first().plot_source.listen), (25 << 8 | 7, &vec![source]));
+    let silent = hear(&format!("udp://127.0.0.1:{}", free_port()));
+    assert_eq!(silent.status.code(), Some(1), "{}", text_of(&silent));
+    assert!(text_of(&silent).contains("no radar was heard"), "{}", text_of(&silent));
+}
+
 fn dump(source: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_radar-chain"));
     command.args(["asterix", "dump", source]);

@@ -50,11 +50,13 @@ pub enum Reject {
     UnreadByte,
     /// A track whose numbers are no estimate.
     BadTrack,
+    /// A track or plot that the format of an output cannot say.
+    NotSayable,
 }
 
 impl Reject {
     /// All reasons with their names in reports.
-    const NAMED: [(Self, &'static str); 17] = [
+    const NAMED: [(Self, &'static str); 18] = [
         (Self::LengthMismatch, "length_mismatch"),
         (Self::BadHeader, "bad_header"),
         (Self::BadAmplitude, "bad_amplitude"),
@@ -72,6 +74,7 @@ impl Reject {
         (Self::ForeignSource, "foreign_source"),
         (Self::UnreadByte, "unread_byte"),
         (Self::BadTrack, "bad_track"),
+        (Self::NotSayable, "not_sayable"),
     ];
 }
 
@@ -125,6 +128,8 @@ pub enum Condition {
     UpstreamSilent,
     /// The process itself does not keep up.
     Slow,
+    /// The process waits for another host, and those upstream wait for it.
+    HeldUp,
 }
 
 impl Condition {
@@ -134,12 +139,16 @@ impl Condition {
             Self::Fine => "fine",
             Self::UpstreamSilent => "upstream silent",
             Self::Slow => "slow",
+            Self::HeldUp => "waits for another host",
         }
     }
 
     /// From its number in [`Health::condition`].
     pub fn of(number: u32) -> Self {
-        [Self::Fine, Self::UpstreamSilent, Self::Slow].into_iter().find(|&it| it as u32 == number).unwrap_or_default()
+        [Self::Fine, Self::UpstreamSilent, Self::Slow, Self::HeldUp]
+            .into_iter()
+            .find(|&it| it as u32 == number)
+            .unwrap_or_default()
     }
 }
 

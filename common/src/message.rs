@@ -81,6 +81,9 @@ pub trait Header {
         None
     }
 
+    /// Forgets the upstream messages that went into it, where nobody can see those; how many results there were before stays.
+    fn forget_upstream(&mut self) {}
+
     /// Visits the times of this host's monotonic clock in it, ns; 0 where a stage has not been.
     fn each_stamp(&mut self, visit: &mut dyn FnMut(&mut u64));
 
@@ -97,6 +100,11 @@ impl Stamps {
 }
 
 impl Lineage {
+    /// The lineage of a result whose upstream topic is not there.
+    pub(crate) fn forget_upstream(&mut self) {
+        *self = Self { published_before: self.published_before, ..Self::default() };
+    }
+
     /// The lineage without the session of the upstream publisher, which differs from run to run.
     pub(crate) fn make_comparable(&mut self) {
         self.session = 0;

@@ -169,6 +169,10 @@ impl Header for PlotsHeader {
         Some(&self.lineage)
     }
 
+    fn forget_upstream(&mut self) {
+        self.lineage.forget_upstream();
+    }
+
     fn each_stamp(&mut self, visit: &mut dyn FnMut(&mut u64)) {
         self.stamps.each(visit);
     }
@@ -201,5 +205,12 @@ impl Row<PlotsHeader> for Plot {
         table.put("source_id", Value::U32(self.source_id))?;
         table.put_if(self.target_id != 0, "target_id", Value::U32(self.target_id))?;
         Ok(())
+    }
+
+    /// Without elevation, on the horizontal plane of the antenna.
+    fn position_m(&self) -> Option<[f64; 3]> {
+        let (sin, cos) = self.elevation_rad.sin_cos();
+        let (east, north) = self.azimuth_rad.sin_cos();
+        Some([self.range_m * cos * east, self.range_m * cos * north, self.range_m * sin])
     }
 }

@@ -31,8 +31,24 @@ pub fn open_files() -> u32 {
     std::fs::read_dir("/proc/self/fd").map_or(0, |files| files.count().saturating_sub(1) as u32)
 }
 
+/// ns since 1970 as RFC 3339 with milliseconds, UTC.
+pub fn rfc3339(time_ns: u64) -> String {
+    let time = jiff::Timestamp::from_nanosecond(time_ns.into()).unwrap_or(jiff::Timestamp::MAX);
+    format!("{time:.3}")
+}
+
 /// `seconds` since 1970 as UTC in the form 20261122-231500, for names of files.
 pub fn utc_compact(seconds: u64) -> String {
     let time = jiff::Timestamp::from_second(seconds.cast_signed()).unwrap_or(jiff::Timestamp::MAX);
     time.strftime("%Y%m%d-%H%M%S").to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_milliseconds() {
+        assert_eq!(rfc3339(1_767_225_600_000_000_000 + 45_296_789_999_999), "2026-01-01T12:34:56.789Z");
+    }
 }

@@ -7,6 +7,7 @@
 //! plot-source, replay, a program of the user's: any of these topics ──────┘
 //! any of these topics but dwells ──▶ link-out ──another host──▶ link-in ──▶ the same topics
 //! display: all topics, never waited for
+//! outputs: tracks and plots, never waited for
 //! ```
 //!
 //! A publisher waits for the consumers that the table requires. Every other subscriber is an observer: its full queue
@@ -47,6 +48,8 @@ pub enum Role {
 pub enum Observer {
     /// `[display]`: the picture in a browser.
     Display,
+    /// `[outputs]`: tracks and plots to other systems.
+    Outputs,
 }
 
 impl Observer {
@@ -54,6 +57,7 @@ impl Observer {
     fn is_enabled(self, chain: &ChainConfig) -> bool {
         match self {
             Self::Display => chain.display.enabled,
+            Self::Outputs => !chain.outputs.is_empty(),
         }
     }
 }
@@ -93,7 +97,7 @@ const fn never(topic: Topic) -> Input {
 }
 
 /// All stages, upstream first.
-pub const STAGES: [Stage; 10] = [
+pub const STAGES: [Stage; 11] = [
     Stage {
         name: "radar-sim",
         role: Role::Source(Source::RadarSim),
@@ -123,7 +127,8 @@ pub const STAGES: [Stage; 10] = [
         name: LINK_IN,
         role: Role::Source(Source::Link),
         inputs: &[],
-        outputs: &[Topic::Plots, Topic::Tracks, Topic::Truth, Topic::SystemTracks],
+        // Truth, whose messages do not count themselves, is the first: the others are counted where they were made.
+        outputs: &[Topic::Truth, Topic::Plots, Topic::Tracks, Topic::SystemTracks],
     },
     Stage { name: "plot-extractor", role: Role::Processor, inputs: &[always(Topic::Dwells)], outputs: &[Topic::Plots] },
     Stage { name: "tracker", role: Role::Processor, inputs: &[always(Topic::Plots)], outputs: &[Topic::Tracks] },
@@ -160,6 +165,12 @@ pub const STAGES: [Stage; 10] = [
         ],
         outputs: &[],
     },
+    Stage {
+        name: OUTPUTS,
+        role: Role::Observer(Observer::Outputs),
+        inputs: &[never(Topic::Tracks), never(Topic::Plots)],
+        outputs: &[],
+    },
 ];
 
 /// Name of the stage that makes the tracks of one site from those of all others.
@@ -172,6 +183,8 @@ pub const LINK_IN: &str = "link-in";
 pub const RECORDER: &str = "recorder";
 /// Name of the picture in a browser.
 pub const DISPLAY: &str = "display";
+/// Name of the outputs to other systems.
+pub const OUTPUTS: &str = "outputs";
 
 impl Stage {
     /// The stage of this name.

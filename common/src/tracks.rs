@@ -87,6 +87,27 @@ pub const COASTING: u32 = 2;
 /// [`Track::state_code`]: ended; this is its last message.
 pub const TERMINATED: u32 = 3;
 
+/// Name of a [`Track::state_code`].
+pub fn state_name(state_code: u32) -> &'static str {
+    match state_code {
+        TENTATIVE => "tentative",
+        CONFIRMED => "confirmed",
+        COASTING => "coasting",
+        _ => "terminated",
+    }
+}
+
+/// Name of a [`Track::gate_code`].
+pub fn gate_name(gate_code: u32) -> &'static str {
+    match gate_code {
+        GATE_MOST_PROBABLE => "most_probable",
+        GATE_WIDEST_FALLBACK => "widest_fallback",
+        GATE_WIDEST => "widest",
+        GATE_UNION => "union",
+        _ => "none",
+    }
+}
+
 /// [`Track::gate_code`]: no plot was looked for or found.
 pub const GATE_NONE: u32 = 0;
 /// [`Track::gate_code`]: gate of the most probable model.
@@ -360,6 +381,10 @@ impl Header for TracksHeader {
         Some(&self.lineage)
     }
 
+    fn forget_upstream(&mut self) {
+        self.lineage.forget_upstream();
+    }
+
     fn each_stamp(&mut self, visit: &mut dyn FnMut(&mut u64)) {
         self.stamps.each(visit);
     }
@@ -427,6 +452,7 @@ impl Row<TracksHeader> for Track {
         table.put("id", Value::U64(self.id))?;
         table.put("time_ns", Value::U64(self.time_ns))?;
         table.put("state_code", Value::U32(self.state_code))?;
+        table.put("state", Value::Text(state_name(self.state_code)))?;
         put_all(&STATE_COLUMNS, &self.state, table)?;
         let sigmas = |covariance: &[f64; PACKED]| -> [f64; STATE] {
             std::array::from_fn(|axis| covariance[pack(axis, axis)].sqrt())
@@ -437,6 +463,7 @@ impl Row<TracksHeader> for Track {
             table.put_if(self.model_kind.contains(&kind), column, Value::F64(self.probability_of(kind)))?;
         }
         table.put("gate_code", Value::U32(self.gate_code))?;
+        table.put("gate", Value::Text(gate_name(self.gate_code)))?;
         table.put("gate_volume", Value::F64(self.gate_volume))?;
         table.put("plots_in_gate", Value::U32(self.plots_in_gate))?;
         table.put("weight_none", Value::F64(self.weight_none))?;
@@ -449,9 +476,15 @@ impl Row<TracksHeader> for Track {
         table.put("hits", Value::U32(self.hits))?;
         table.put("misses", Value::U32(self.misses))?;
         table.put("estimator", Value::U32(self.estimator.into()))?;
+        let estimator = estimator_name(self.estimator);
+        table.put_if(estimator.is_some(), "estimator_name", Value::Text(estimator.unwrap_or_default()))?;
         table.put("known", Value::U32(self.known.into()))?;
         put_all(&PREDICTED_COLUMNS, &self.predicted_state, table)?;
         put_all(&PREDICTED_SIGMA_COLUMNS, &sigmas(&self.predicted_covariance), table)?;
         Ok(())
+    }
+
+    fn position_m(&self) -> Option<[f64; 3]> {
+        Some(Track::position_m(self))
     }
 }

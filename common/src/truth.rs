@@ -22,6 +22,16 @@ pub const MANOEUVRE: u32 = 2;
 /// [`TruthTarget::mode`]: not known.
 pub const MODE_UNKNOWN: u32 = 3;
 
+/// Name of a [`TruthTarget::mode`].
+pub fn mode_name(mode: u32) -> &'static str {
+    match mode {
+        HOVER => "hover",
+        CONSTANT_VELOCITY => "constant_velocity",
+        MANOEUVRE => "manoeuvre",
+        _ => "not_known",
+    }
+}
+
 /// [`TruthTarget::flags`]: inside the volume that the radar covers.
 pub const VISIBLE: u32 = 1;
 /// [`TruthTarget::flags`]: a vehicle, not an aircraft.
@@ -120,9 +130,14 @@ impl Row<TruthHeader> for TruthTarget {
         table.put("target_id", Value::U32(self.target_id))?;
         table.put("time_ns", Value::U64(self.time_ns))?;
         table.put("mode", Value::U32(self.mode))?;
+        table.put("mode_name", Value::Text(mode_name(self.mode)))?;
         table.put("flags", Value::U32(self.flags))?;
         table.put_if(!self.snr_db.is_nan(), "snr_db", Value::F32(self.snr_db))?;
         put_all(&STATE_COLUMNS, &self.state, table)?;
         Ok(())
+    }
+
+    fn position_m(&self) -> Option<[f64; 3]> {
+        Some([self.state[0], self.state[3], self.state[6]])
     }
 }

@@ -10,7 +10,8 @@ const VECTOR_SCANS = 10;
 const ELLIPSE_SIGMAS = Math.sqrt(5.991);
 /** An ellipse or error bar shorter than this says nothing, pixels. */
 const SMALLEST_PX = 3;
-const MOST_BARS = 3000;
+/** More plots in view than this show no error bars: they would cover everything else. */
+const MOST_BARS = 600;
 const MOST_ELLIPSES = 1500;
 const MARGIN_PX = 40;
 /** Symbols cover at most this share of the picture: more of them are smaller ones. */
@@ -18,6 +19,10 @@ const SHARE = 0.06;
 const LARGEST_PX = 11;
 /** Smaller than this a symbol has no form: it is a dot in its colour. */
 const SMALLEST_FORM_PX = 6;
+/** Smaller symbols than this have no speed vector: there are too many of them. */
+const SMALLEST_VECTOR_PX = 8;
+/** Of more than this, tracks outside the plan are dots in the picture of heights, and targets are left out. */
+const MANY = 300;
 const DOT_PX = 3;
 
 export class Symbols {
@@ -67,13 +72,13 @@ export class Symbols {
     const { x_m: x, y_m: y, z_m: z } = track;
     const faint = track.state === 0 ? 0.8 : 1;
     const packed = this.colours.packed(colour, faint);
-    if (size < SMALLEST_FORM_PX) {
+    if (size < SMALLEST_FORM_PX || (picture.tracks.size > MANY && !this.sees(x, y))) {
       for (const image of this.images) image.point(x, y, z, this.dot, packed | 0xff000000);
       return;
     }
     this.marks.mark(x, y, z, size, form, packed);
     if (track.state === ENDED) return;
-    if (layers.vectors) {
+    if (layers.vectors && size >= SMALLEST_VECTOR_PX) {
       const ahead = VECTOR_SCANS * picture.scan_s;
       const { vx_mps: vx, vy_mps: vy, vz_mps: vz } = track;
       lines.line(x, y, 0, x + ahead * vx, y + ahead * vy, 0, 1.3, packed);
@@ -96,17 +101,18 @@ export class Symbols {
     const { picture: { plots }, lines, view, colours } = this;
     const { values } = plots;
     const colour = colours.packed("plot", 0.7);
-    let left = MOST_BARS;
-    for (let n = plots.added - 1; n >= plots.first && left > 0; n -= 1) {
+    const inView = [];
+    for (let n = plots.first; n < plots.added; n += 1) {
       const at = (n % plots.capacity) * POINT;
-      const [along, across] = [values[at + 4], values[at + 5]];
-      if (Math.max(along, across) * view.scale < SMALLEST_PX) continue;
-      const [x, y] = [values[at], values[at + 1]];
-      if (!this.sees(x, y)) continue;
+      if (Math.max(values[at + 4], values[at + 5]) * view.scale < SMALLEST_PX || !this.sees(values[at], values[at + 1])) continue;
+      if (inView.length === MOST_BARS) return;
+      inView.push(at);
+    }
+    for (const at of inView) {
+      const [x, y, along, across] = [values[at], values[at + 1], values[at + 4], values[at + 5]];
       const [s, c] = [Math.sin(values[at + 6]), Math.cos(values[at + 6])];
       lines.line(x - along * s, y - along * c, 0, x + along * s, y + along * c, 0, 1, colour);
       lines.line(x - across * c, y + across * s, 0, x + across * c, y - across * s, 0, 1, colour);
-      left -= 1;
     }
   }
 
@@ -129,7 +135,9 @@ export class Symbols {
 
   #truth() {
     const colour = this.colours.packed("truth");
-    for (const { last } of this.picture.truth.targets.values()) {
+    const { targets } = this.picture.truth;
+    for (const { last } of targets.values()) {
+      if (targets.size > MANY && !this.sees(last.x_m, last.y_m)) continue;
       this.marks.mark(last.x_m, last.y_m, last.z_m, 13, MARK.truth, colour);
     }
   }

@@ -5,11 +5,13 @@
 //! ```
 //!
 //! Messages come from shared memory ([`process`], an observer: the chain never waits for it, and it may come and go at any
-//! time) or from a recording. `docs/display-api.md` describes what programs can read.
+//! time) or from a recording ([`view`], and [`plan`] for a drawing of one time). `docs/display-api.md` describes what programs can read.
 
 pub mod feed;
 mod page;
 pub mod picture;
+pub mod plan;
 pub mod process;
 pub mod serve;
+pub mod view;
 pub mod wire;

@@ -15,7 +15,7 @@ use common::realtime;
 use common::recording::container;
 use common::time::monotonic_ns;
 use common::topic::Topic;
-use common::topology::{LINK_IN, driving};
+use common::topology::{LINK_IN, driving, maker};
 use zenoh::bytes::ZBytes;
 
 use crate::arrivals::{Arrival, Arrivals};
@@ -42,7 +42,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
     let mut outlets = Vec::new();
     for &topic in &chain.link.receive {
-        outlets.push(topic.apply(Open(&station))?);
+        let has_upstream = maker(topic).is_none_or(|(_, upstream)| chain.link.receive.contains(&upstream));
+        outlets.push(topic.apply(Open { station: &station, has_upstream })?);
     }
     reporter.publish()?;
     for outlet in &outlets {
@@ -97,17 +98,23 @@ struct Published {
 
 struct Of<M: Message> {
     publisher: Publisher<M>,
+    /// Whether what its messages were made from comes here, too.
+    has_upstream: bool,
     intake: Intake,
     session: u64,
 }
 
-struct Open<'a>(&'a Station);
+struct Open<'a> {
+    station: &'a Station,
+    has_upstream: bool,
+}
 
 impl ForTopic for Open<'_> {
     type Out = anyhow::Result<Box<dyn Outlet>>;
 
     fn call<M: Message>(self) -> Self::Out {
-        Ok(Box::new(Of { publisher: self.0.publisher::<M>(M::MOST)?, intake: Intake::default(), session: 0 }))
+        let (publisher, has_upstream) = (self.station.publisher::<M>(M::MOST)?, self.has_upstream);
+        Ok(Box::new(Of { publisher, has_upstream, intake: Intake::default(), session: 0 }))
     }
 }
 
@@ -128,6 +135,9 @@ impl<M: Message> Outlet for Of<M> {
             Some(offset) => offset.translate(stamp),
             None => *stamp = 0, // a time of an unknown clock is no time
         });
+        if !self.has_upstream {
+            header.forget_upstream();
+        }
         let published = self.publisher.publish(&header, &elements, |_| {});
         published.with_context(|| format!("publishing {}", M::TOPIC.name()))?;
         let place = header.place();

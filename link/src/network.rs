@@ -112,7 +112,8 @@ fn settings(chain: &ChainConfig) -> anyhow::Result<zenoh::Config> {
     };
     set("mode", "\"peer\"".into())?;
     set("scouting/multicast/enabled", "false".into())?;
-    set("scouting/gossip/enabled", "false".into())?;
+    // Nobody is asked to connect, nor connected to, because of what others say of themselves.
+    set("scouting/gossip/autoconnect", "{router: [], peer: [], client: []}".into())?;
     if link.zenoh.is_empty() || !link.listen.is_empty() {
         set("listen/endpoints", serde_json::to_string(&link.listen)?)?;
     }

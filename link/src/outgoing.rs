@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use common::config::{ChainConfig, Mode};
 use common::health::{Intake, Reject, Rejected};
-use common::ipc::{Flow, Station, Subscriber, Turn, Watchdog, attend};
+use common::ipc::{Flow, Station, Subscriber, Turn, attend};
 use common::message::{END_OF_STREAM, Header};
 use common::messages::{ForTopic, Message};
 use common::process::{HealthReporter, StageArgs, new_session, say, stop_requested, tell};
@@ -54,14 +54,16 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let mut sender = Sender::new(way, &chain, session);
     let (mut rejected, mut ending) = (Rejected::default(), None::<Instant>);
 
-    attend(&wakes, &watchdog(&reporter), || -> anyhow::Result<Flow> {
+    let watchdog = reporter.watchdog();
+
+    attend(&wakes, &watchdog, || -> anyhow::Result<Flow> {
         let turn = Turn::begin();
         sender.hear();
         let is_stopping = stop_requested();
         let mut taken = true;
         while std::mem::take(&mut taken) && !turn.is_over() {
             for input in &mut inputs {
-                if (is_stopping || sender.may_take()) && input.take(&mut sender)? {
+                if sender.may_take(is_stopping) && input.take(&mut sender)? {
                     taken = true;
                 }
             }
@@ -69,7 +71,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         }
         let ended = inputs.iter().all(|input| input.has_ended(is_stopping)) && !turn.is_over();
         let asked = ended.then(|| *ending.get_or_insert_with(Instant::now));
-        let done = asked.is_some_and(|since| sender.window.is_empty() || since.elapsed() > LAST_WAIT);
+        let done = asked.is_some_and(|since| sender.window.is_empty() || sender.gives_up(is_stopping, since));
         sender.beat(done);
         if done || reporter.is_due() {
             let health = &mut reporter.health;
@@ -85,6 +87,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             reporter.publish()?;
         }
         sender.say_news();
+        watchdog.hold_up(sender.waits_for_room());
         Ok(match (done, sender.waits_for_room() || ended) {
             (true, _) => Flow::End,
             (false, true) => {
@@ -96,10 +99,6 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     })?;
     sender.close();
     Ok(ExitCode::SUCCESS)
-}
-
-fn watchdog(reporter: &HealthReporter) -> Watchdog {
-    reporter.watchdog()
 }
 
 /// A topic that is sent.
@@ -194,9 +193,16 @@ impl Sender {
         }
     }
 
-    /// Whether a message may be taken: in lossless mode not before there is room for it.
-    fn may_take(&self) -> bool {
-        !self.is_lossless || self.window.has_room()
+    /// Whether a message may be taken: in lossless mode not before there is room for it, unless the chain is to end and nobody
+    /// answers.
+    fn may_take(&self, is_stopping: bool) -> bool {
+        !self.is_lossless || self.window.has_room() || is_stopping && self.answered.elapsed() > LAST_WAIT
+    }
+
+    /// Whether what has ended is no longer sent: in lossless mode not before the chain is to end and nobody answers.
+    fn gives_up(&self, is_stopping: bool, ended: Instant) -> bool {
+        let is_silent = self.answered.elapsed() > LAST_WAIT;
+        if self.is_lossless { is_stopping && is_silent } else { ended.elapsed() > LAST_WAIT }
     }
 
     fn waits_for_room(&self) -> bool {

@@ -1,85 +1,188 @@
-//! The process `outputs`: an observer of the tracks of a site, which sends them on.
+//! The process `outputs`: an observer of all sites, which sends on what they find.
 
-use std::io;
-use std::net::{SocketAddr, UdpSocket};
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 
-use common::config::Source;
-use common::ipc::{Flow, Station, Watchdog, attend};
+use common::config::{ChainConfig, Sent, Sites, Source};
+use common::health::{Reject, Rejected};
+use common::ipc::{Flow, IpcError, ObserverLosses, Received, Station, Subscriber, Turn, attend};
 use common::message::END_OF_STREAM;
-use common::messages::Tracks;
-use common::process::{BadInput, StageArgs, say, stop_requested, tell};
+use common::messages::{Plots, Tracks};
+use common::process::{BadInput, HealthReporter, StageArgs, new_session, say, stop_requested, tell};
+use common::realtime;
+use common::time::monotonic_ns;
 use common::topic::Topic;
+use common::topology::OUTPUTS;
 
-use crate::datagrams::TrackDatagrams;
+use crate::output::Output;
+use crate::targets::Site;
 
 /// Name of the process.
-pub const NAME: &str = "outputs";
+pub const NAME: &str = OUTPUTS;
+/// How long peers have at the end to take what waits for them.
+const LAST_FRAMES: Duration = Duration::from_secs(1);
 
-/// Sends the tracks of a site to `to` as ASTERIX until the chain ends or the process is asked to stop. Nothing is ever
-/// waited for: what cannot be sent at once is dropped and counted.
+/// Sends until the tracks of all sites have ended or the process is asked to stop.
 ///
 /// # Errors
-/// Configuration, the address, or shared memory.
-pub fn send_tracks(args: &StageArgs, to: SocketAddr, tentative: bool) -> anyhow::Result<ExitCode> {
-    let (chain, sites) = (args.load()?, args.load_sites()?);
-    let is_simulated = match chain.run.source {
-        Source::Fusion => sites.all().iter().any(|site| site.run.source == Source::RadarSim),
-        source => source == Source::RadarSim,
-    };
-    let mut line = Line::open(to).map_err(|error| BadInput(format!("cannot send to udp://{to}: {error}")))?;
-    let mut out = TrackDatagrams::new(&chain, is_simulated, tentative);
-    if chain.site.position.is_none() {
-        say("key `site.position` is not set: tracks are sent without latitude, longitude and height");
+/// Configuration, an address that cannot be used, or shared memory.
+pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
+    let sites = args.load_sites()?;
+    let chain = sites.first();
+    if chain.outputs.is_empty() {
+        return Err(BadInput("no output is configured, expected a table [outputs.NAME]".into()).into());
     }
-    let station = Station::enter(NAME, &chain)?;
-    let (wake, tracks) = (station.wake(Topic::Tracks)?, station.subscriber::<Tracks>()?);
-    let mut missed = 0;
-    attend(&[&wake], &Watchdog::new(&chain, NAME), || -> anyhow::Result<Flow> {
-        while let Some(message) = tracks.receive()? {
-            missed += message.missing;
-            for datagram in out.datagrams(message.header(), message.elements()) {
-                line.send(&datagram);
-            }
-            if message.header().has(END_OF_STREAM) {
-                return Ok(Flow::End);
-            }
+    let (session, refused) = (new_session(), realtime::apply(chain.realtime.of(NAME)));
+    let mut outputs = open_outputs(&sites, session)?;
+    let first = Station::enter(NAME, chain)?;
+    let mut feeds = feeds(&first, &sites)?;
+    let mut wakes = Vec::new();
+    for feed in &feeds {
+        wakes.push(feed.station.wake(Topic::Tracks)?);
+        if feed.plots.is_some() {
+            wakes.push(feed.station.wake(Topic::Plots)?);
         }
-        Ok(if stop_requested() { Flow::End } else { Flow::Wait })
+    }
+    let wakes: Vec<_> = wakes.iter().collect();
+    let mut reporter = HealthReporter::new(&first, chain, session, refused)?;
+    let mut dropped = vec![0; outputs.len()];
+
+    attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
+        let turn = Turn::begin();
+        for (index, feed) in feeds.iter_mut().enumerate() {
+            feed.pass_on(index, &mut outputs, &turn)?;
+        }
+        outputs.iter_mut().for_each(Output::attend);
+        let ended = stop_requested() || feeds.iter().all(|feed| feed.ended);
+        if ended {
+            finish(&mut outputs);
+        }
+        let flow = if ended { Flow::End } else { turn.flow() };
+        if flow == Flow::End || reporter.is_due() {
+            count_dropped(&outputs, &mut dropped, &first.observer_losses());
+            describe(&mut reporter.health, &outputs, &feeds);
+            reporter.health.ended = u32::from(flow == Flow::End);
+            reporter.publish()?;
+        }
+        Ok(flow)
     })?;
-    let (sent, dropped, not_sent) = (line.sent, line.dropped, out.not_sent());
-    tell(&format!(
-        "udp://{to}: {sent} datagrams sent, {dropped} dropped; {not_sent} tracks out of range, {missed} messages missed"
-    ));
+    for output in &outputs {
+        tell(&output.summary());
+    }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Where datagrams go.
-struct Line {
-    socket: UdpSocket,
-    to: SocketAddr,
-    sent: u64,
-    dropped: u64,
-    fails: bool,
+/// All outputs, each with the sites that it takes.
+fn open_outputs(sites: &Sites, session: u64) -> anyhow::Result<Vec<Output>> {
+    let any_simulated = sites.all().iter().any(|site| site.run.source == Source::RadarSim);
+    let is_simulated = |site: &ChainConfig| match site.run.source {
+        Source::Fusion => any_simulated,
+        source => source == Source::RadarSim,
+    };
+    let mut outputs = Vec::new();
+    for (name, config) in &sites.first().outputs {
+        if !config.site.is_empty() {
+            sites.named(&config.site)?;
+        }
+        let of_site = |site: &ChainConfig| config.takes(site).then(|| Site::new(site, is_simulated(site)));
+        let taken: Vec<_> = sites.all().iter().map(of_site).collect();
+        if taken.iter().flatten().any(|site| site.position.is_none()) {
+            say(&format!("output `{name}`: key `site.position` is not set: no latitude, longitude or height is sent"));
+        }
+        outputs.push(Output::open(name, config, taken, session)?);
+    }
+    Ok(outputs)
 }
 
-impl Line {
-    fn open(to: SocketAddr) -> io::Result<Self> {
-        let own: SocketAddr = if to.is_ipv4() { ([0, 0, 0, 0], 0).into() } else { ([0_u16; 8], 0).into() };
-        let socket = UdpSocket::bind(own)?;
-        socket.set_nonblocking(true)?;
-        Ok(Self { socket, to, sent: 0, dropped: 0, fails: false })
+/// Lets peers take what waits for them.
+fn finish(outputs: &mut [Output]) {
+    outputs.iter_mut().for_each(Output::close);
+    let began = Instant::now();
+    while outputs.iter().any(Output::is_waiting) && began.elapsed() < LAST_FRAMES {
+        std::thread::sleep(Duration::from_millis(1));
+        outputs.iter_mut().for_each(Output::attend);
     }
+}
 
-    fn send(&mut self, datagram: &[u8]) {
-        match self.socket.send_to(datagram, self.to) {
-            Ok(_) => (self.sent, self.fails) = (self.sent + 1, false),
-            Err(error) => {
-                if !std::mem::replace(&mut self.fails, true) {
-                    say(&format!("udp://{}: {error}; datagrams are dropped", self.to));
-                }
-                self.dropped += 1;
+/// Notes what has been dropped since the last time.
+fn count_dropped(outputs: &[Output], noted: &mut [u64], losses: &ObserverLosses) {
+    for (output, noted) in outputs.iter().zip(noted) {
+        let dropped = output.counts().dropped;
+        if dropped > *noted {
+            let topic = if output.sends() == Sent::Plots { Topic::Plots } else { Topic::Tracks };
+            losses.count_many(topic, output.name(), dropped - *noted);
+            *noted = dropped;
+        }
+    }
+}
+
+fn describe(health: &mut common::health::Health, outputs: &[Output], feeds: &[Feed]) {
+    let mut rejected = Rejected::default();
+    (health.messages_out, health.elements_out) = (0, 0);
+    for output in outputs {
+        health.messages_out += output.counts().sent;
+        health.elements_out += output.reports();
+        rejected.count_many(Reject::NotSayable, output.not_said());
+    }
+    health.set_rejected(&rejected);
+    health.scan = feeds.iter().map(|feed| feed.scan).max().unwrap_or(0);
+    if let Some(feed) = feeds.first() {
+        health.set_intake(Topic::Tracks, feed.tracks.intake());
+        if let Some(plots) = &feed.plots {
+            health.set_intake(Topic::Plots, plots.intake());
+        }
+    }
+}
+
+/// What comes from a site.
+struct Feed {
+    station: Station,
+    tracks: Subscriber<Tracks>,
+    /// Where an output sends plots of it.
+    plots: Option<Subscriber<Plots>>,
+    scan: u32,
+    ended: bool,
+}
+
+fn feeds(first: &Station, sites: &Sites) -> Result<Vec<Feed>, IpcError> {
+    let feed = |site: &ChainConfig| {
+        let station = first.at(site);
+        let tracks = station.subscriber()?;
+        let wants_plots = site.outputs.values().any(|output| output.send == Sent::Plots && output.takes(site));
+        let plots = wants_plots.then(|| station.subscriber()).transpose()?;
+        Ok(Feed { station, tracks, plots, scan: 0, ended: false })
+    };
+    sites.all().iter().map(feed).collect()
+}
+
+impl Feed {
+    /// Hands what waits to the outputs; `site` is the place of the feed among the sites.
+    fn pass_on(&mut self, site: usize, outputs: &mut [Output], turn: &Turn) -> Result<(), IpcError> {
+        while let Some(plots) = self.plots.as_ref().filter(|_| !turn.is_over())
+            && let Some(message) = plots.receive()?
+        {
+            for output in &mut *outputs {
+                output.take_plots(site, message.header(), message.elements());
             }
         }
+        while !turn.is_over()
+            && let Some(message) = self.tracks.receive()?
+        {
+            let latency_ns = latency_ns(&message);
+            self.scan = message.header().scan;
+            self.ended = message.header().has(END_OF_STREAM);
+            for output in &mut *outputs {
+                output.take_tracks(site, message.header(), message.elements(), latency_ns);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// From the source's sending of the sector to now, ns.
+fn latency_ns(message: &Received<Tracks>) -> u64 {
+    match message.header().stamps.source_out_ns {
+        0 => 0,
+        sent_ns => monotonic_ns().saturating_sub(sent_ns),
     }
 }

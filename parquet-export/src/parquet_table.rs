@@ -17,7 +17,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::parser::parse_message_type;
-use recorder::export::{Form, Sink, files_by_topic, put_columns, put_rows};
+use recorder::export::{Form, Places, Sink, files_by_topic, put_columns, put_rows};
 
 /// Rows that are kept in memory until they are written together.
 const GROUP_ROWS: usize = 1 << 16;
@@ -45,6 +45,7 @@ impl Form for Parquet {
 /// A table of one topic.
 struct ParquetTable {
     rows: Rows,
+    places: Places,
 }
 
 struct Rows {
@@ -74,7 +75,8 @@ enum Values {
 impl ParquetTable {
     fn create(file: File, description: Option<&Description>, topic: Topic) -> io::Result<Self> {
         let mut layout = Layout { schema: format!("message {} {{", topic.name()), columns: Vec::new() };
-        put_columns(topic, &mut layout)?;
+        let places = Places::of(description);
+        put_columns(topic, &places, &mut layout)?;
         let schema = Arc::new(parse_message_type(&format!("{} }}", layout.schema)).map_err(failed)?);
         let about = description.map(Description::to_map).into_iter().flatten();
         let about = about.map(|(key, value)| KeyValue::new(format!("radar-chain.{key}"), value)).collect();
@@ -84,13 +86,13 @@ impl ParquetTable {
             .set_key_value_metadata(Some(about))
             .build();
         let out = SerializedFileWriter::new(file, schema, Arc::new(properties)).map_err(failed)?;
-        Ok(Self { rows: Rows { out, columns: layout.columns, next: 0, waiting: 0 } })
+        Ok(Self { rows: Rows { out, columns: layout.columns, next: 0, waiting: 0 }, places })
     }
 }
 
 impl Sink for ParquetTable {
     fn write(&mut self, message: RecordedRef<'_>) -> Result<u64, RecordingError> {
-        put_rows(message, &mut self.rows)?;
+        put_rows(message, &self.places, &mut self.rows)?;
         Ok(message.len() as u64)
     }
 

@@ -17,6 +17,7 @@ pub mod contents;
 pub mod continuity;
 pub mod error;
 pub mod habits;
+pub mod hearing;
 pub mod level;
 mod listening;
 pub mod live;

@@ -344,6 +344,7 @@ impl LiveRadar {
             height_m: report.height_m.or(report.pressure_height_m),
             amplitude_db: report.amplitude_db,
             is_artificial: report.artificial != Artificial::default(),
+            address: report.address.unwrap_or(0),
         };
         let now_ns = self.present_ns(now_ns);
         let silence_ns = self.service_ns.map_or(f64::INFINITY, |service_ns| (now_ns - service_ns) as f64);

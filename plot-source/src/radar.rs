@@ -32,6 +32,8 @@ pub struct Report {
     pub amplitude_db: Option<f64>,
     /// Simulated, of a test or of a fixed monitor.
     pub is_artificial: bool,
+    /// 24-bit address of the transponder; 0 where none was received.
+    pub address: u32,
 }
 
 /// A start-of-cycle message: the antenna passes north.
@@ -139,6 +141,7 @@ impl RadarRecording {
                 height_m: row.height_m,
                 amplitude_db: row.amplitude_db,
                 is_artificial: false,
+                address: 0,
             })
             .collect();
         reports.sort_by_key(|report| report.clock_ns);
@@ -201,6 +204,7 @@ impl Intake<'_> {
             height_m: report.height_m.or(report.pressure_height_m),
             amplitude_db: report.amplitude_db,
             is_artificial: report.artificial != Artificial::default(),
+            address: report.address.unwrap_or(0),
         })
     }
 }

@@ -37,6 +37,7 @@ pub struct SectorLayout {
     header: PlotsHeader,
     sigma_range_rate_mps: f32,
     sigma_height_m: f64,
+    uses_identity: bool,
     site_height_m: f64,
 }
 
@@ -65,6 +66,7 @@ impl SectorLayout {
             header,
             sigma_range_rate_mps: if has_range_rate { config.sigma_range_rate_mps as f32 } else { 0.0 },
             sigma_height_m: config.sigma_height_m,
+            uses_identity: config.use_identity,
             site_height_m: site.position.map_or(0.0, |position| position.height_m),
         }
     }
@@ -91,6 +93,9 @@ impl SectorLayout {
         }
         if report.is_artificial {
             plot.flags |= ARTIFICIAL;
+        }
+        if self.uses_identity {
+            plot.target_id = report.address;
         }
         plot
     }
@@ -176,6 +181,7 @@ mod tests {
             range_rate_mps: Some(-120.0),
             height_m: Some(height_m),
             is_artificial: true,
+            address: 0x4a_bc_de,
             ..full.report
         };
         let plot = layout.plot(&full);
@@ -186,6 +192,10 @@ mod tests {
         assert!((above_m - EARTH_M - height_m).abs() < 5.0, "{}", above_m - EARTH_M);
         assert!((f64::from(plot.sigma_elevation_rad) - 50.0 / range_m).abs() < 1e-5);
         full.report.range_m = 100.0;
+        assert_eq!(plot.target_id, 0, "who it is is not asked for");
+        config.plot_source.use_identity = true;
+        let identified = SectorLayout::new(7, &config.plot_source, &config.site, true).plot(&full);
+        assert_eq!(identified, Plot { target_id: 0x4a_bc_de, ..plot });
         assert!(!layout.plot(&full).has(HAS_ELEVATION), "a height above the slant range says no elevation");
     }
 

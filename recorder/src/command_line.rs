@@ -45,7 +45,7 @@ pub enum Command {
         #[arg(long)]
         replay: bool,
     },
-    /// Export topics as tables, JSON lines or MCAP for viewers
+    /// Export topics as tables, JSON lines, MCAP for viewers, or as ways of targets on maps
     ///
     /// Example: recorder export FILE.mcap --topics plots,tracks --format csv --out tables
     #[command(verbatim_doc_comment)]
@@ -153,6 +153,12 @@ pub enum FormatArgument {
     McapJson,
     /// Parquet, by the program parquet-export
     Parquet,
+    /// GeoJSON: ways of tracks and true targets
+    Geojson,
+    /// KML: ways of tracks and true targets, in time
+    Kml,
+    /// JSON of a counter-drone test (COURAGEOUS): tracks
+    Courageous,
 }
 
 impl Command {
@@ -170,6 +176,9 @@ impl Command {
                     FormatArgument::Csv => Format::Csv,
                     FormatArgument::Jsonl => Format::JsonLines,
                     FormatArgument::McapJson => Format::McapJson,
+                    FormatArgument::Geojson => Format::GeoJson,
+                    FormatArgument::Kml => Format::Kml,
+                    FormatArgument::Courageous => Format::Courageous,
                     FormatArgument::Parquet => return export_as_parquet(&file, &topics, &out),
                 };
                 commands::export(&file, &topics, &form, &out)

@@ -5,3 +5,4 @@ pub(crate) mod compare;
 pub(crate) mod doctor;
 pub(crate) mod machine;
 pub(crate) mod soak;
+pub(crate) mod source;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use common::config::{ChainConfig, Mode, Sites};
+use common::health::Condition;
 use common::process::{EXIT_BAD_USAGE, EXIT_FAILED};
 use common::status::Board;
 use common::time::monotonic_ns;
@@ -292,6 +293,8 @@ impl Supervisor {
         // A stage that is not running, or has not said anything yet, keeps those upstream waiting as well.
         let heard =
             |stage: &Stage| stage.id.health(board).map(|health| health.pid) == stage.running().map(|(pid, _)| pid);
+        let is_held_up =
+            |stage: &Stage| stage.id.health(board).is_some_and(|health| health.condition == Condition::HeldUp as u32);
         let waits = |stage: &Stage| silent(stage).is_none_or(|silent| silent > SUSPICION) || !heard(stage);
         let real_time = self.chain().run.mode == Mode::RealTime;
         let keeps_waiting = |consumer: &Stage, stage: &Stage| {
@@ -303,7 +306,7 @@ impl Supervisor {
                 && !(real_time && consumer.id.stage.role == Role::Recorder)
                 && stage.id.stage.outputs.iter().any(|&topic| reads(topic))
                 && !consumer.has_ended()
-                && waits(consumer)
+                && (waits(consumer) || is_held_up(consumer))
         };
         let suspects: Vec<bool> = self
             .stages

@@ -3,9 +3,9 @@
 
 use std::fmt::Write;
 
-use super::keys::{About, keys};
+use super::keys::{About, about, keys};
 use super::sites::adjust;
-use super::{ChainConfig, ConfigError, Sites};
+use super::{ChainConfig, ConfigError, OutputConfig, Sites};
 
 /// What a range is asked about: values that few keys allow.
 const OUT_OF_RANGE: [&str; 7] = ["-1e300", "1e300", "nan", "-1", "4294967295", "9223372036854775807", "''"];
@@ -36,7 +36,7 @@ pub fn explained(sites: &Sites) -> String {
         let of_site = path.strip_prefix("site[].");
         let own = of_site.map(|key| format!("site.{key}"));
         let empty = format!("{path}[]"); // an array of tables without any
-        let about = keys.get(of_site.unwrap_or(&path)).or_else(|| keys.get(own.as_deref().unwrap_or(&empty)));
+        let about = about(&keys, of_site.unwrap_or(&path)).or_else(|| keys.get(own.as_deref().unwrap_or(&empty)));
         if let Some(about) = about {
             let _ = writeln!(text, "# {}", about.text);
         }
@@ -53,7 +53,9 @@ pub fn reference() -> String {
          the command line: `--set tracker.snr_db=12`.\nUnknown keys are errors. `radar-chain config` prints what is in \
          effect, `radar-chain config --explain` with the meaning of each key.\n",
     );
-    let (defaults, mut table) = (ChainConfig::default().to_toml(), String::new());
+    let mut defaults = ChainConfig::default();
+    defaults.outputs.insert("NAME".into(), OutputConfig::default());
+    let (defaults, mut table) = (defaults.to_toml(), String::new());
     let mut written: Vec<(String, &str)> = Vec::new(); // paths in the order of the types, with their defaults
     for line in defaults.lines() {
         if let Some(path) = path_of(line, &mut table) {

@@ -22,6 +22,19 @@ pub(super) struct About {
 /// Keys and tables by their paths; those of the tables of an array follow the name of the array.
 pub(super) type Keys = BTreeMap<String, About>;
 
+/// Stands in paths for the name of a table that the user gives.
+const NAME: &str = "NAME";
+
+/// What is known of the key at `path`, in which a user's name may stand.
+pub(super) fn about<'a>(keys: &'a Keys, path: &str) -> Option<&'a About> {
+    let named = || {
+        let (table, rest) = path.split_once('.')?;
+        let key = rest.split_once('.').map_or(String::new(), |(_, key)| format!(".{key}"));
+        keys.get(&format!("{table}.{NAME}{key}"))
+    };
+    keys.get(path).or_else(named)
+}
+
 /// All keys and tables.
 pub(super) fn keys() -> Keys {
     let schema = SchemaSettings::draft2020_12().for_serialize().into_generator().into_root_schema_for::<ChainConfig>();
@@ -37,7 +50,8 @@ pub(super) fn expected(key: &str) -> Option<String> {
     let mut parts = key.split('[');
     let first = parts.next().unwrap_or_default().to_string();
     let path = parts.fold(first, |path, part| path + "[]" + part.split_once(']').map_or("", |(_, rest)| rest));
-    let about = keys().remove(&path).filter(|about| !about.kind.is_empty())?;
+    let keys = keys();
+    let about = about(&keys, &path).filter(|about| !about.kind.is_empty())?;
     Some(if about.values.is_empty() { about.kind.clone() } else { about.values.join(", ") })
 }
 
@@ -52,7 +66,12 @@ fn describe(schema: &Schema, object: &Map<String, Value>, path: &str, keys: &mut
             None => property.as_object().map(text_of).unwrap_or_default(),
         };
         let items = referred.get("items").map(|items| resolve(schema, items));
-        if let Some(items) = items.and_then(Value::as_object).filter(|items| items.contains_key("properties")) {
+        let named = referred.get("additionalProperties").map(|named| resolve(schema, named));
+        if let Some(named) = named.and_then(Value::as_object).filter(|named| named.contains_key("properties")) {
+            let path = format!("{path}.{NAME}");
+            keys.insert(path.clone(), About { text, ..About::default() });
+            describe(schema, named, &path, keys);
+        } else if let Some(items) = items.and_then(Value::as_object).filter(|items| items.contains_key("properties")) {
             let path = format!("{path}[]");
             keys.insert(path.clone(), About { text, ..About::default() });
             describe(schema, items, &path, keys);

@@ -16,6 +16,7 @@ mod ipc;
 mod keys;
 mod link;
 mod load;
+mod outputs;
 mod plot_source;
 mod radar;
 mod realtime;
@@ -39,6 +40,7 @@ pub use fusion::FusionConfig;
 pub use ipc::IpcConfig;
 pub use link::LinkConfig;
 pub use load::ConfigError;
+pub use outputs::{Affiliation, Destination, OutputConfig, OutputFormat, Sent, TargetClass};
 pub use plot_source::*;
 pub use radar::{RadarConfig, RadarGrid};
 pub use realtime::{RealtimeConfig, Scheduling, StageRealtime, WaitStrategy};
@@ -52,6 +54,8 @@ pub use soak::{MetricsConfig, SoakConfig};
 pub use supervision::{SupervisionConfig, WatchdogConfig};
 pub use tracker::*;
 pub use turn::TurnConfig;
+
+use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -98,6 +102,9 @@ pub struct ChainConfig {
     pub metrics: MetricsConfig,
     /// `[display]`: the picture in a browser.
     pub display: DisplayConfig,
+    /// `[outputs.NAME]`: tracks or plots to other systems.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub outputs: BTreeMap<String, OutputConfig>,
 }
 
 impl ChainConfig {
@@ -124,7 +131,8 @@ impl ChainConfig {
         self.realtime.check()?;
         self.soak.check()?;
         self.metrics.check()?;
-        self.display.check()
+        self.display.check()?;
+        self.outputs.iter().try_for_each(|(name, output)| output.check(name, self))
     }
 
     /// The configuration as TOML, complete: what `radar-chain config` prints.

@@ -10,6 +10,7 @@ use super::load::{ConfigError, not_negative, positive, require, within};
 /// Recording with real plots, and the properties of the radar that made it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a question of its own about the reports")]
 pub struct PlotSourceConfig {
     /// Recording of the radar.
     pub file: String,
@@ -54,6 +55,8 @@ pub struct PlotSourceConfig {
     pub use_test: bool,
     /// Whether reports of the sensor's fixed monitors (RAB) become plots.
     pub use_monitors: bool,
+    /// Whether plots carry the address of the transponder as `target_id`: for exports and scores; no stage looks at it.
+    pub use_identity: bool,
     /// `[plot_source.registration]`: the offset between the frames of radar and cooperative sensor.
     pub registration: RegistrationConfig,
 }
@@ -82,6 +85,7 @@ impl Default for PlotSourceConfig {
             use_simulated: false,
             use_test: false,
             use_monitors: false,
+            use_identity: false,
             registration: RegistrationConfig::default(),
         }
     }

@@ -128,6 +128,15 @@ impl Watchdog {
         health.slow_steps = self.0.slow_steps.get();
     }
 
+    /// Notes whether another host keeps the process waiting: no input then is no silence of those upstream.
+    pub fn hold_up(&self, is_held_up: bool) {
+        if is_held_up {
+            self.0.condition.set(Condition::HeldUp);
+        } else if self.0.condition.get() == Condition::HeldUp {
+            self.0.condition.set(Condition::Fine);
+        }
+    }
+
     /// Input has arrived.
     fn input(&self) {
         let silent = self.0.heard.replace(Instant::now()).elapsed();
@@ -141,7 +150,7 @@ impl Watchdog {
 
     /// Nothing has come on one topic for the time allowed; on others there may have.
     fn missed(&self) {
-        if self.0.heard.get().elapsed() < self.0.silence {
+        if self.0.heard.get().elapsed() < self.0.silence || self.0.condition.get() == Condition::HeldUp {
             return;
         }
         if self.0.condition.replace(Condition::UpstreamSilent) != Condition::UpstreamSilent {

@@ -48,6 +48,11 @@ pub trait Row<H> {
     /// # Errors
     /// The table cannot be written.
     fn put_row(&self, header: &H, table: &mut dyn Table) -> io::Result<()>;
+
+    /// Where it is, east, north and up of the antenna, m; `None` of what is nowhere or says its place itself.
+    fn position_m(&self) -> Option<[f64; 3]> {
+        None
+    }
 }
 
 /// Puts a value into each of the columns.

@@ -8,8 +8,10 @@ use common::status::data_inputs;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Events that are kept.
+/// Events of a running chain that are kept.
 const KEPT: usize = 4096;
+/// Events of a recording that are kept.
+const KEPT_OF_RECORDING: usize = 100_000;
 
 /// What kind of thing has happened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -61,23 +63,45 @@ pub struct Event {
 }
 
 /// The last events.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone)]
 pub struct EventLog {
     events: VecDeque<Event>,
     last: u64,
+    most: usize,
+    is_whole: bool,
+}
+
+impl Default for EventLog {
+    fn default() -> Self {
+        Self { events: VecDeque::new(), last: 0, most: KEPT, is_whole: false }
+    }
 }
 
 impl EventLog {
-    /// Adds what has happened, and gives it its number.
-    pub fn add(&mut self, time_s: f64, site: Option<&str>, happening: Happening) -> Event {
+    /// An empty log for all events of a recording.
+    pub fn of_recording() -> Self {
+        Self { most: KEPT_OF_RECORDING, ..Self::default() }
+    }
+
+    /// The log as the whole of what happens in a recording: playing it adds nothing.
+    #[must_use]
+    pub fn whole(self) -> Self {
+        Self { is_whole: true, ..self }
+    }
+
+    /// Adds what has happened, and gives it its number; `None` where it is known already.
+    pub fn add(&mut self, time_s: f64, site: Option<&str>, happening: Happening) -> Option<Event> {
+        if self.is_whole {
+            return None;
+        }
         let Happening { kind, track, text } = happening;
         self.last += 1;
         let event = Event { r#type: "event", seq: self.last, time_s, site: site.map(String::from), kind, track, text };
-        if self.events.len() == KEPT {
+        if self.events.len() == self.most {
             self.events.pop_front();
         }
         self.events.push_back(event.clone());
-        event
+        Some(event)
     }
 
     /// The events after the one with this number that are kept.
@@ -128,10 +152,13 @@ mod tests {
         let mut log = EventLog::default();
         for number in 1..=KEPT as u64 + 2 {
             let happening = Happening { kind: Kind::Warning, track: None, text: String::new() };
-            assert_eq!(log.add(0.0, None, happening).seq, number);
+            assert_eq!(log.add(0.0, None, happening).map(|event| event.seq), Some(number));
         }
         assert_eq!(log.since(0).next().map(|event| event.seq), Some(3));
         assert_eq!(log.since(KEPT as u64).count(), 2);
+        let mut whole = log.whole();
+        let happening = Happening { kind: Kind::Warning, track: None, text: String::new() };
+        assert!(whole.add(0.0, None, happening).is_none() && whole.since(0).count() == KEPT);
     }
 
     #[test]

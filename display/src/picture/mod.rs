@@ -80,7 +80,7 @@ impl Picture {
             RecordedRef::Dwells(..) => {}
         }
         let (time_s, site) = (self.time_s(), self.sites[site].name.clone());
-        let events = texts.into_iter().map(|of| self.events.add(time_s, Some(&site), of));
+        let events = texts.into_iter().filter_map(|of| self.events.add(time_s, Some(&site), of));
         news.events = events.collect();
         news
     }

@@ -124,7 +124,8 @@ impl Plan<'_> {
         svg.text("title", [MARGIN, 30.0], "start", self.title);
         let tracks = || self.picture.sites.iter().flat_map(|site| site.tracks.values());
         let confirmed = tracks().filter(|of| of.track.is_confirmed()).count();
-        let plots: usize = self.picture.sites.iter().flat_map(SitePicture::last_scan).map(|(_, plots)| plots.len()).sum();
+        let plots: usize =
+            self.picture.sites.iter().flat_map(SitePicture::last_scan).map(|(_, plots)| plots.len()).sum();
         let legend = format!(
             "● {confirmed} confirmed tracks with trail and {VECTOR_SCANS:.0} scans ahead, ○ {} tentative, · {plots} plots of the last scan{}",
             tracks().count() - confirmed,

@@ -14,10 +14,7 @@ pub(super) struct Scale {
 impl Scale {
     /// A position east and north on the sheet.
     pub(super) fn place(&self, [x, y, _]: [f64; 3]) -> [f64; 2] {
-        [
-            self.middle[0] + (x - self.middle_m[0]) * self.per_m,
-            self.middle[1] - (y - self.middle_m[1]) * self.per_m,
-        ]
+        [self.middle[0] + (x - self.middle_m[0]) * self.per_m, self.middle[1] - (y - self.middle_m[1]) * self.per_m]
     }
 }
 
@@ -25,7 +22,11 @@ impl Scale {
 pub(super) fn round_step(range: f64, most: f64) -> f64 {
     let least = (range / most).max(f64::MIN_POSITIVE);
     let power = 10_f64.powf(least.log10().floor());
-    [1.0, 2.0, 5.0, 10.0].into_iter().map(|factor| factor * power).find(|&step| step >= least * 0.999_999).unwrap_or(10.0 * power)
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|factor| factor * power)
+        .find(|&step| step >= least * 0.999_999)
+        .unwrap_or(10.0 * power)
 }
 
 /// A distance as people say it.
@@ -39,7 +40,9 @@ mod tests {
 
     #[test]
     fn rings_are_round_and_few() {
-        for (range, step) in [(5_000.0, 1_000.0), (200.0, 50.0), (37_000.0, 10_000.0), (470_000.0, 100_000.0), (1.0, 0.2)] {
+        for (range, step) in
+            [(5_000.0, 1_000.0), (200.0, 50.0), (37_000.0, 10_000.0), (470_000.0, 100_000.0), (1.0, 0.2)]
+        {
             assert!((round_step(range, 5.0) / step - 1.0).abs() < 1e-9, "{range}: {}", round_step(range, 5.0));
         }
         assert_eq!((distance(200.0), distance(2500.0)), ("200 m".into(), "2.5 km".into()));

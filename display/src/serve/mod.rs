@@ -28,6 +28,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::picture::Picture;
+use crate::picture::events::EventLog;
 use crate::picture::site::SitePicture;
 use crate::picture::video::SectorVideo;
 use crate::wire::SectorMessage;
@@ -162,6 +163,15 @@ impl Served {
     /// Sends a message to all viewers as it is: where a recording stands.
     pub fn say(&self, message: &impl Serialize) {
         self.hub.publish_text(Kind::All, || text(message));
+    }
+
+    /// All that happens in a recording is known now: viewers are told.
+    pub fn know_events(&self, events: &EventLog) {
+        let mut picture = self.picture();
+        picture.events = events.clone();
+        for event in picture.events.since(0) {
+            self.hub.publish_text(Kind::Events, || text(event));
+        }
     }
 
     /// Puts another picture in the place of this one, as after a jump in a recording, and shows it to all viewers.

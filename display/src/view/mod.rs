@@ -81,12 +81,13 @@ pub(crate) fn sites_and_extent(tapes: &[Tape]) -> anyhow::Result<(Sites, (u64, u
 
 /// All that has happened in the recordings.
 fn events(sites: &Sites, tapes: &[Tape]) -> EventLog {
-    let mut picture = Picture::of_all_events(sites);
+    let mut picture = Picture::new(sites);
+    picture.events = EventLog::of_recording();
     let mut deck = Deck::from(tapes, 0);
     while let Some((site, message)) = deck.next_until(u64::MAX) {
         if !matches!(message, Recorded::Dwells(..)) {
             picture.take(site, message.by_ref(), 0);
         }
     }
-    picture.events
+    picture.events.whole()
 }

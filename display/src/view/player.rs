@@ -67,7 +67,18 @@ impl Player {
         let video = tapes.iter().map(|_| Gatherer::default()).collect();
         let deck = Deck::from(&tapes, extent_ns.0);
         let at_ns = extent_ns.0;
-        Self { served, sites: sites.clone(), tapes, deck, video, extent_ns, at_ns, rate: 1.0, since: None, events: None }
+        Self {
+            served,
+            sites: sites.clone(),
+            tapes,
+            deck,
+            video,
+            extent_ns,
+            at_ns,
+            rate: 1.0,
+            since: None,
+            events: None,
+        }
     }
 
     /// Plays as it is told until nobody is left who could tell.
@@ -135,7 +146,7 @@ impl Player {
         self.deck = Deck::from(&self.tapes, from_ns);
         let mut picture = Picture::new(&self.sites);
         if let Some(events) = &self.events {
-            picture.know_events(events);
+            picture.events = events.clone();
         }
         while let Some((site, message)) = self.deck.next_until(time_ns) {
             // A chunk begins before the time that it was chosen for.

@@ -31,7 +31,10 @@ impl Tape {
         let mut reader = Reader::new(BufReader::new(File::open(file).map_err(unreadable)?));
         let Some(text) = reader.description().map(|description| description.config.clone()) else {
             let name = file.display();
-            return Err(BadInput(format!("{name} does not say which radar it is of: expected a recording (MCAP) of radar-chain")).into());
+            return Err(BadInput(format!(
+                "{name} does not say which radar it is of: expected a recording (MCAP) of radar-chain"
+            ))
+            .into());
         };
         let site = config::parse(file, &text, &[])?;
         let mut parts = Vec::new();

@@ -4,15 +4,17 @@ use std::fmt::Write;
 use std::fs::File;
 use std::io;
 
+use common::recording::container::Description;
 use common::recording::row::{Table, Value};
 use common::recording::{RecordedRef, RecordingError};
 use common::topic::Topic;
 
-use super::{Sink, put_columns, put_rows};
+use super::{Places, Sink, put_columns, put_rows};
 
 /// A table of one topic.
 pub(super) struct CsvTable {
     rows: Rows,
+    places: Places,
 }
 
 struct Rows {
@@ -21,18 +23,18 @@ struct Rows {
 }
 
 impl CsvTable {
-    pub(super) fn create(file: File, topic: Topic) -> io::Result<Self> {
-        let mut names = Names(Vec::new());
-        put_columns(topic, &mut names)?;
+    pub(super) fn create(file: File, description: Option<&Description>, topic: Topic) -> io::Result<Self> {
+        let (mut names, places) = (Names(Vec::new()), Places::of(description));
+        put_columns(topic, &places, &mut names)?;
         let mut out = csv::Writer::from_writer(file);
         out.write_record(names.0)?;
-        Ok(Self { rows: Rows { out, field: String::new() } })
+        Ok(Self { rows: Rows { out, field: String::new() }, places })
     }
 }
 
 impl Sink for CsvTable {
     fn write(&mut self, message: RecordedRef<'_>) -> Result<u64, RecordingError> {
-        put_rows(message, &mut self.rows)?;
+        put_rows(message, &self.places, &mut self.rows)?;
         Ok(message.len() as u64)
     }
 

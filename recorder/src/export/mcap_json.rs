@@ -3,8 +3,10 @@
 //! One channel per topic, named as the topic; its schema says what each field is, with units. The times of a message are its
 //! measurement time; health, which has none, takes that of the last message that has one, or of the first. The metadata `recording` is what
 //! the recording says of itself.
+//! Tracks are there a second time, in the messages that viewers draw by themselves ([`super::foxglove`]).
 //! What is not known is left out, because viewers take no `null` for a number; so nothing is required.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
 
@@ -20,6 +22,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::Sink;
+use super::foxglove::{self, Viewer};
 
 /// A file of messages.
 pub(super) struct McapJson {
@@ -28,6 +31,14 @@ pub(super) struct McapJson {
     /// Messages as text, until a measurement gives them a time.
     log_time: LogTime<(MessageHeader, Vec<u8>)>,
     text: Vec<u8>,
+    /// Where tracks are among the topics: what draws them, and the channels of its messages.
+    drawing: Option<Drawing>,
+}
+
+/// What draws tracks, and the channels of its messages by their names.
+struct Drawing {
+    viewer: Viewer,
+    channels: BTreeMap<&'static str, u16>,
 }
 
 /// A message: its header and its elements.
@@ -62,8 +73,24 @@ impl McapJson {
             let channel = mcap.add_channel(schema, &format!("/{}", topic.name()), "json", &[].into());
             channels[topic as usize] = channel.map_err(failed)?;
         }
+        let tracks = topics.contains(&Topic::Tracks);
+        let drawing = tracks.then(|| Drawing::new(description, &mut mcap)).transpose()?;
         let log_time = LogTime::new(description.map_or(0, |description| description.session));
-        Ok(Self { mcap, channels, log_time, text: Vec::new() })
+        Ok(Self { mcap, channels, log_time, text: Vec::new(), drawing })
+    }
+
+    /// Writes what is drawn after a message of tracks.
+    fn draw(&mut self, message: RecordedRef<'_>, time_ns: u64) -> Result<(), RecordingError> {
+        let (Some(drawing), RecordedRef::Tracks(header, tracks)) = (&mut self.drawing, message) else {
+            return Ok(());
+        };
+        for (name, body) in drawing.viewer.draw(header, tracks) {
+            let Some(&channel_id) = drawing.channels.get(name) else { continue };
+            let sequence = message.seq() as u32;
+            let header = MessageHeader { channel_id, sequence, log_time: time_ns, publish_time: time_ns };
+            self.mcap.write_to_known_channel(&header, body.to_string().as_bytes()).map_err(failed)?;
+        }
+        Ok(())
     }
 
     /// Writes what has waited for the first measurement.
@@ -107,6 +134,7 @@ impl Sink for McapJson {
                 self.file_waiting(time_ns)?;
                 let header = MessageHeader { log_time: time_ns, publish_time: time_ns, ..header };
                 self.mcap.write_to_known_channel(&header, &self.text).map_err(failed)?;
+                self.draw(message, time_ns)?;
             }
         }
         Ok(1)
@@ -117,6 +145,21 @@ impl Sink for McapJson {
         self.file_waiting(time_ns)?;
         self.mcap.finish().map_err(failed)?;
         Ok(())
+    }
+}
+
+impl Drawing {
+    fn new(
+        description: Option<&Description>,
+        mcap: &mut mcap::Writer<BufWriter<File>>,
+    ) -> Result<Self, RecordingError> {
+        let (viewer, mut channels) = (Viewer::new(description), BTreeMap::new());
+        for (name, topic) in viewer.channels() {
+            let text = serde_json::to_vec(&foxglove::schema(name)).map_err(std::io::Error::from)?;
+            let schema = mcap.add_schema(name, "jsonschema", &text).map_err(failed)?;
+            channels.insert(name, mcap.add_channel(schema, topic, "json", &[].into()).map_err(failed)?);
+        }
+        Ok(Self { viewer, channels })
     }
 }
 

@@ -1,13 +1,21 @@
-//! Recordings as tables (CSV; Parquet in the program `parquet-export`), as JSON lines, and as MCAP with JSON for viewers.
+//! Recordings as tables (CSV; Parquet in the program `parquet-export`), as JSON lines, as MCAP with JSON for viewers, and as ways
+//! of targets over the earth.
 //!
 //! ```text
 //! messages ──▶ rows ──▶ CSV, Parquet: one file per topic, one row per element
 //!     ├──────▶ JSON lines:            one file per topic, one line per message
-//!     └──────▶ MCAP with JSON:        one file, one channel per topic
+//!     ├──────▶ MCAP with JSON:        one file, one channel per topic
+//!     └──────▶ GeoJSON, KML:          one file per topic, one way per target; COURAGEOUS: one file of tracks
 //! ```
 
+mod courageous;
 mod csv_table;
+mod foxglove;
+mod geojson;
+mod kml;
 mod mcap_json;
+mod paths;
+mod places;
 
 use std::fs::File;
 use std::io::{self, BufWriter};
@@ -19,8 +27,12 @@ use common::recording::row::{Row, Table};
 use common::recording::{Recorded, RecordedRef, RecordingError, jsonl};
 use common::topic::Topic;
 
+use courageous::Courageous;
 use csv_table::CsvTable;
+use geojson::GeoJson;
+use kml::Kml;
 use mcap_json::McapJson;
+pub use places::Places;
 
 /// A form that recordings can be written in.
 pub trait Form {
@@ -47,6 +59,11 @@ pub fn files_by_topic(topics: &[Topic], extension: &str) -> Vec<(String, Vec<Top
     topics.iter().map(|&topic| (format!("{}.{extension}", topic.name()), vec![topic])).collect()
 }
 
+/// The topics that targets move in, of those that are asked for.
+fn moving(topics: &[Topic]) -> Vec<Topic> {
+    topics.iter().copied().filter(|topic| paths::TOPICS.contains(topic)).collect()
+}
+
 /// The forms that the recorder writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
@@ -56,6 +73,12 @@ pub enum Format {
     JsonLines,
     /// MCAP with JSON messages and their JSON Schemas, for viewers.
     McapJson,
+    /// Ways of targets as GeoJSON.
+    GeoJson,
+    /// Ways of targets as KML.
+    Kml,
+    /// Tracks as the test log of a counter-drone system.
+    Courageous,
 }
 
 impl Form for Format {
@@ -64,6 +87,9 @@ impl Form for Format {
             Self::McapJson => vec![("messages.mcap".into(), topics.to_vec())],
             Self::Csv => files_by_topic(topics, "csv"),
             Self::JsonLines => files_by_topic(topics, "jsonl"),
+            Self::GeoJson => files_by_topic(&moving(topics), "geojson"),
+            Self::Kml => files_by_topic(&moving(topics), "kml"),
+            Self::Courageous => vec![("courageous.json".into(), vec![Topic::Tracks])],
         }
     }
 
@@ -74,7 +100,13 @@ impl Form for Format {
         topics: &[Topic],
     ) -> Result<Box<dyn Sink>, RecordingError> {
         Ok(match (self, topics) {
-            (Self::Csv, &[topic]) => Box::new(CsvTable::create(file, topic)?),
+            (Self::Csv, &[topic]) => Box::new(CsvTable::create(file, description, topic)?),
+            (Self::GeoJson, _) => Box::new(GeoJson::create(BufWriter::new(file), description)?),
+            (Self::Kml, topics) => {
+                let name = topics.first().map_or("", |topic| topic.name());
+                Box::new(Kml::create(BufWriter::new(file), description, name)?)
+            }
+            (Self::Courageous, _) => Box::new(Courageous::create(BufWriter::new(file), description)?),
             (Self::McapJson, topics) => Box::new(McapJson::create(BufWriter::new(file), description, topics)?),
             (_, _) => Box::new(jsonl::Writer::new(BufWriter::new(file))),
         })
@@ -147,36 +179,46 @@ pub fn export(
 ///
 /// # Errors
 /// Those of `table`.
-pub fn put_columns(topic: Topic, table: &mut dyn Table) -> io::Result<()> {
-    struct Columns<'a>(&'a mut dyn Table);
+pub fn put_columns(topic: Topic, places: &Places, table: &mut dyn Table) -> io::Result<()> {
+    struct Columns<'a>(&'a Places, &'a mut dyn Table);
     impl ForTopic for Columns<'_> {
         type Out = io::Result<()>;
 
         fn call<M: Message>(self) -> io::Result<()> {
-            M::Element::default().put_row(&M::Header::default(), self.0)?;
-            self.0.end_row()
+            let Self(places, table) = self;
+            put_element::<M>(&M::Header::default(), &M::Element::default(), places, table)
         }
     }
-    topic.apply(Columns(table))
+    topic.apply(Columns(places, table))
 }
 
 /// Gives `table` the rows of a message, one per element.
 ///
 /// # Errors
 /// Those of `table`.
-pub fn put_rows(message: RecordedRef<'_>, table: &mut dyn Table) -> io::Result<()> {
-    struct Rows<'a>(&'a mut dyn Table);
+pub fn put_rows(message: RecordedRef<'_>, places: &Places, table: &mut dyn Table) -> io::Result<()> {
+    struct Rows<'a>(&'a Places, &'a mut dyn Table);
     impl ForMessage for Rows<'_> {
         type Out = io::Result<()>;
 
         fn call<M: Message>(self, header: &M::Header, elements: &[M::Element]) -> io::Result<()> {
-            elements.iter().try_for_each(|element| {
-                element.put_row(header, self.0)?;
-                self.0.end_row()
-            })
+            let Self(places, table) = self;
+            elements.iter().try_for_each(|element| put_element::<M>(header, element, places, table))
         }
     }
-    message.apply(Rows(table))
+    message.apply(Rows(places, table))
+}
+
+/// One row, with its place behind its own columns.
+fn put_element<M: Message>(
+    header: &M::Header,
+    element: &M::Element,
+    places: &Places,
+    table: &mut dyn Table,
+) -> io::Result<()> {
+    element.put_row(header, table)?;
+    places.put(element.position_m(), table)?;
+    table.end_row()
 }
 
 /// One file.

@@ -1,0 +1,64 @@
+//! Ways to other systems. None ever waits: what a peer does not take now is kept in a bounded room or dropped, and counted.
+
+mod datagrams;
+mod listeners;
+mod outbox;
+mod peer;
+
+use std::time::Instant;
+
+use common::config::{Destination, OutputConfig};
+use common::process::BadInput;
+
+pub use datagrams::Datagrams;
+pub use listeners::Listeners;
+pub use peer::Peer;
+
+/// Frames by what has become of them.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub struct Counts {
+    /// Handed to the system, for each peer.
+    pub sent: u64,
+    /// Not taken: nobody is connected, the peer is slow, or the system refuses.
+    pub dropped: u64,
+}
+
+/// What has happened on a line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Event {
+    /// A peer has been connected to.
+    Opened,
+    /// The peer has said something.
+    Heard(Vec<u8>),
+}
+
+/// A way to another system.
+pub trait Line {
+    /// Sends a frame, keeps it until the peer takes it, or drops it.
+    fn send(&mut self, frame: &[u8]);
+
+    /// Does what can be done now: connects, sends what waits, listens.
+    fn attend(&mut self, now: Instant, events: &mut Vec<Event>);
+
+    /// Frames so far.
+    fn counts(&self) -> Counts;
+
+    /// Whether frames wait for a peer.
+    fn is_waiting(&self) -> bool;
+}
+
+/// Opens the line of the output `name`.
+///
+/// # Errors
+/// [`BadInput`]: the system refuses the address, the port or the interface.
+pub fn open(name: &str, config: &OutputConfig) -> Result<Box<dyn Line>, BadInput> {
+    let refuse = |error: &dyn std::fmt::Display| BadInput(format!("output `{name}`: {}: {error}", config.to));
+    let destination = config.destination().ok_or_else(|| refuse(&"it names no destination"))?;
+    Ok(match destination {
+        Destination::Datagrams(to) => Box::new(Datagrams::open(name, to, config).map_err(|error| refuse(&error))?),
+        Destination::Peer(to) => Box::new(Peer::new(name, to, config.queue_bytes)),
+        Destination::Listeners(at) => {
+            Box::new(Listeners::open(name, at, config.queue_bytes).map_err(|error| refuse(&error))?)
+        }
+    })
+}
