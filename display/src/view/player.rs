@@ -22,6 +22,8 @@ use crate::wire::requests::{Playback, Step};
 const FRAME: Duration = Duration::from_millis(20);
 /// Viewers hear so often where the recording stands.
 const WORD: Duration = Duration::from_millis(100);
+/// The same while it stands still.
+const WORD_AT_REST: Duration = Duration::from_secs(1);
 /// Scans before a time from which the picture at that time is made: tracks are updated once a scan.
 const SCANS_BEFORE: f64 = 3.0;
 /// A step never goes farther than so many scans: there may be nothing left to step to.
@@ -87,12 +89,13 @@ impl Player {
         self.seek(self.extent_ns.0 + (SCANS_BEFORE * period_ns) as u64);
         let mut told = Instant::now();
         loop {
-            let sleep = if self.since.is_some() { FRAME } else { Duration::from_secs(3600) };
+            let sleep = if self.since.is_some() { FRAME } else { WORD_AT_REST };
             match orders.recv_timeout(sleep) {
                 Ok(order) => {
                     self.obey(order);
                     self.tell();
                 }
+                Err(RecvTimeoutError::Timeout) if self.since.is_none() => self.tell(), // somebody may have come
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
             }

@@ -1,0 +1,139 @@
+//! Recordings in the picture: moved in time, played, drawn.
+
+#[path = "../display/tests/support/mod.rs"]
+mod viewer;
+
+mod support;
+
+use std::io::{BufRead, BufReader};
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use serde_json::{Value, json};
+use support::{Bench, output, text_of};
+use viewer::{Live, get};
+
+/// A recording of the small radar.
+fn recorded(bench: &Bench) -> PathBuf {
+    let result = bench.run(&["--scans", "60", "--speed", "max"]);
+    assert!(result.status.success(), "{}", text_of(&result));
+    bench.recordings().remove(0)
+}
+
+fn radar_chain() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_radar-chain"))
+}
+
+/// `radar-chain view` while it runs.
+struct Viewed {
+    process: Child,
+    address: SocketAddr,
+}
+
+impl Viewed {
+    fn start(recording: &Path) -> Self {
+        let mut command = radar_chain();
+        command.arg("view").arg(recording).args(["--listen", "127.0.0.1:0"]);
+        let mut process = command.stdin(Stdio::null()).stderr(Stdio::piped()).spawn().expect("started");
+        let lines = BufReader::new(process.stderr.take().expect("a pipe")).lines().map_while(Result::ok);
+        let said: Vec<String> = lines.take(1).collect();
+        let address = said[0].split("http://").nth(1).and_then(|rest| rest.split(',').next());
+        let address = address.and_then(|address| address.parse().ok()).unwrap_or_else(|| panic!("{said:?}"));
+        Self { process, address }
+    }
+}
+
+impl Drop for Viewed {
+    fn drop(&mut self) {
+        let _ = self.process.kill().and_then(|()| self.process.wait());
+    }
+}
+
+/// Asks the player and gives what the viewer is told of the time afterwards.
+fn ask(viewer: &mut Live, wanted: &Value) -> f64 {
+    viewer.send(&wanted.to_string());
+    viewer.next_of("time")["at_s"].as_f64().expect("a time")
+}
+
+#[test]
+fn a_recording_is_moved_to_any_time_and_played_to_its_end() {
+    let bench = Bench::new();
+    let recording = recorded(&bench);
+    let viewed = Viewed::start(&recording);
+    let mut viewer = Live::open(viewed.address);
+    let hello = viewer.next_of("hello");
+    let extent = |key: &str| hello["recording"][key].as_f64().expect("a time");
+    let (from_s, to_s) = (extent("from_s"), extent("to_s"));
+    assert!(hello["mode"] == "recording" && to_s > from_s + 10.0, "{hello}");
+    viewer.send(r#"{"want": {"tracks": true, "events": true}, "encoding": "json"}"#);
+
+    // All that happens is known before it is played.
+    let confirmed = viewer.find("a confirmation", |message| (message["kind"] == "confirmed").then(|| message.clone()));
+    assert!(confirmed["time_s"].as_f64().is_some_and(|time_s| (from_s..=to_s).contains(&time_s)), "{confirmed}");
+
+    // Forth, back, and forth again: the picture is that of the time, whatever was seen before.
+    let middle_s = f64::midpoint(from_s, to_s);
+    let mut pictures = Vec::new();
+    for at_s in [middle_s, from_s + 1.0, middle_s] {
+        viewer.send(&json!({ "seek": at_s }).to_string());
+        viewer.next_of("reset");
+        let tracks = viewer.next_of("tracks");
+        assert!(tracks["time_s"].as_f64().is_some_and(|time_s| time_s <= at_s + 1e-6), "{tracks}");
+        assert!((viewer.next_of("time")["at_s"].as_f64().expect("a time") - at_s).abs() < 1e-6);
+        pictures.push(tracks["items"].clone());
+    }
+    assert_eq!(pictures[0], pictures[2]);
+    assert!(pictures[0].as_array().is_some_and(|tracks| tracks.len() >= 2), "{}", pictures[0]);
+    assert_ne!(pictures[0], pictures[1]);
+
+    let period_s = hello["sites"][0]["scan_period_s"].as_f64().expect("a period");
+    let stepped_s = ask(&mut viewer, &json!({"step": "scan", "by": 2}));
+    assert!((period_s * 0.9..=period_s * 3.1).contains(&(stepped_s - middle_s)), "{stepped_s} after {middle_s}");
+    let back_s = ask(&mut viewer, &json!({"step": "scan", "by": -1}));
+    assert!((stepped_s - back_s - period_s).abs() < 1e-3, "{back_s} before {stepped_s}");
+
+    viewer.send(r#"{"play": 1000}"#);
+    let end = viewer.find("the end", |message| {
+        (message["type"] == "time" && message["playing"] == false).then(|| message["at_s"].as_f64()).flatten()
+    });
+    assert!((end - to_s).abs() < 1e-6, "{end}, {to_s}");
+    assert_eq!(get(viewed.address, "/api/v1/chain").json()["mode"], "recording");
+}
+
+#[test]
+fn what_is_no_recording_is_said_in_a_line() {
+    let bench = Bench::new();
+    let recording = recorded(&bench);
+    let text = bench.path("notes.txt");
+    std::fs::write(&text, "nothing of a radar").expect("written");
+    for (file, expected) in [(text.as_path(), "expected a recording (MCAP)"), (Path::new("/no/such.mcap"), "cannot open")] {
+        let result = output(radar_chain().arg("view").arg(file));
+        assert_eq!(result.status.code(), Some(2), "{}", text_of(&result));
+        assert!(text_of(&result).contains(expected), "{}", text_of(&result));
+    }
+    let result = output(radar_chain().arg("view").args([&recording, &recording]));
+    assert!(result.status.code() == Some(2) && text_of(&result).contains("a name that no other site has"));
+    // A recording that was cut is shown as far as it goes.
+    let bytes = std::fs::read(&recording).expect("a recording");
+    std::fs::write(bench.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).expect("written");
+    let viewed = Viewed::start(&bench.path("cut.mcap"));
+    assert_eq!(Live::open(viewed.address).next_of("hello")["mode"], "recording");
+}
+
+#[test]
+fn a_plan_shows_the_confirmed_tracks() {
+    let bench = Bench::new();
+    let recording = recorded(&bench);
+    let plan = bench.path("plan.svg");
+    let draw = |arguments: &[&str]| {
+        output(radar_chain().arg("picture").arg(&recording).arg("--out").arg(&plan).args(arguments))
+    };
+    let result = draw(&[]);
+    assert!(result.status.success(), "{}", text_of(&result));
+    let svg = std::fs::read_to_string(&plan).expect("a plan");
+    assert_eq!(svg.matches("class=\"confirmed\"").count(), 2, "two targets");
+    assert!(svg.contains("class=\"trail\"") && svg.contains("class=\"truth\"") && svg.ends_with("</svg>\n"));
+    let result = draw(&["--at", "1e9"]);
+    assert!(result.status.code() == Some(2) && text_of(&result).contains("outside of the recording"));
+}
