@@ -81,7 +81,8 @@ fn the_eight_drones_are_seen_over_http_and_the_numbers_are_those_of_status() {
     }
     let ended = running.stop();
     assert!(ended.status.success() && text_of(&ended).contains("picture: http://127.0.0.1:"), "{}", text_of(&ended));
-    assert_eq!(bench.report().lost(), 0);
+    let report = bench.report();
+    assert!(report.lost() == 0 && !report.observers.contains_key("health"), "{:?}", report.observers);
     assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());
 }
 

@@ -104,10 +104,10 @@ impl Feed {
         self.sites.iter().all(|site| site.ended)
     }
 
-    /// Writes what has come into a health report: the scan, and all sites together.
+    /// Writes what has come into a health report: the scan, and all sites together. Health itself has no schedule to miss.
     pub fn describe(&self, health: &mut Health) {
         health.scan = self.sites.iter().map(|site| site.scan).max().unwrap_or(0);
-        for topic in Topic::ALL {
+        for topic in Topic::of_data() {
             let of_topic = self.sites.iter().filter_map(|site| site.intake(topic));
             if let Some(intake) = of_topic.reduce(sum) {
                 health.set_intake(topic, intake);
