@@ -336,7 +336,8 @@ class Health(ctypes.Structure):
         ("refused", ctypes.c_uint32),
         ("private_kib", ctypes.c_uint32),
         ("false_alarms", FalseAlarms),
-        ("reserved", ctypes.c_uint32 * 9),
+        ("clock_uncertainty_us", ctypes.c_float),
+        ("reserved", ctypes.c_uint32 * 8),
     ]  # 2112 bytes
 
 
@@ -355,8 +356,11 @@ STAGES = {
     "plot-source": 1,
     "replay": 2,
     "fusion": 3,
-    "plot-extractor": 4,
-    "tracker": 5,
-    "recorder": 6,
-    "display": 7,
+    "link-in": 4,
+    "plot-extractor": 5,
+    "tracker": 6,
+    "link-out": 7,
+    "recorder": 8,
+    "display": 9,
+    "outputs": 10,
 }
