@@ -191,11 +191,11 @@ mod tests {
         let above_m = (EARTH_M.powi(2) + range_m.powi(2) + 2.0 * EARTH_M * range_m * plot.elevation_rad.sin()).sqrt();
         assert!((above_m - EARTH_M - height_m).abs() < 5.0, "{}", above_m - EARTH_M);
         assert!((f64::from(plot.sigma_elevation_rad) - 50.0 / range_m).abs() < 1e-5);
-        full.report.range_m = 100.0;
         assert_eq!(plot.target_id, 0, "who it is is not asked for");
         config.plot_source.use_identity = true;
         let identified = SectorLayout::new(7, &config.plot_source, &config.site, true).plot(&full);
         assert_eq!(identified, Plot { target_id: 0x4a_bc_de, ..plot });
+        full.report.range_m = 100.0;
         assert!(!layout.plot(&full).has(HAS_ELEVATION), "a height above the slant range says no elevation");
     }
 
