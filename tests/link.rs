@@ -44,6 +44,7 @@ fn recorded(bench: &Bench, topic: Topic) -> Vec<Recorded> {
     let mut messages: Vec<Recorded> = messages.filter(|message| message.by_ref().topic() == topic).collect();
     for message in &mut messages {
         message.header_mut().make_comparable();
+        message.header_mut().forget_upstream(); // plots are not sent
     }
     messages
 }

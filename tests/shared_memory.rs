@@ -69,7 +69,7 @@ fn a_publisher_that_cannot_be_mapped_is_told() {
     let bench = Bench::new();
     let mut command = bench.command("run", &small_config());
     command.args(["--scans", "4", "--no-record", "--set", "supervision.max_restarts=2"]);
-    let run = limited("-v 55000", &command, &bench);
+    let run = limited("-v 72000", &command, &bench);
     assert_eq!(run.status.code(), Some(3), "{}", text_of(&run));
     assert!(text_of(&run).contains("cannot be mapped"), "{}", text_of(&run));
     assert!(bench.left_behind().is_empty(), "{:?}", bench.left_behind());

@@ -16,7 +16,7 @@ use viewer::{Live, get};
 
 /// A recording of the small radar.
 fn recorded(bench: &Bench) -> PathBuf {
-    let result = bench.run(&["--scans", "60", "--speed", "max"]);
+    let result = bench.run(&["--scans", "60", "--speed", "max", "--set", "recorder.chunk_kib=16"]);
     assert!(result.status.success(), "{}", text_of(&result));
     bench.recordings().remove(0)
 }
