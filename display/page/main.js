@@ -117,7 +117,7 @@ const detail = new Detail(byId("detail"), scene, latency, () => choose(null));
 
 function showLink() {
   const text = LINK_WORDS[linkState];
-  setText(byId("link"), dropped ? `${text}, ${dropped} messages dropped` : text);
+  setText(byId("link"), dropped ? `${text}, ${dropped} dropped` : text);
   const notice = byId("notice");
   const words = noticeText();
   notice.hidden = words === "";
