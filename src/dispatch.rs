@@ -26,7 +26,7 @@ pub(crate) fn run_stage(name: &str, args: &StageArgs) -> anyhow::Result<ExitCode
         tracker::process::NAME => tracker::process::run(args),
         fusion::process::NAME => fusion::process::run(args),
         recorder::process::NAME => recorder::process::run(args),
-        LINK_IN | LINK_OUT => become_the_program("link", args),
+        LINK_IN | LINK_OUT => become_the_program("radar-link", "link", args),
         display::process::NAME => display::process::run(args),
         outputs::process::NAME => outputs::process::run(args),
         KEEPER => keeper::keep(args),
@@ -34,13 +34,15 @@ pub(crate) fn run_stage(name: &str, args: &StageArgs) -> anyhow::Result<ExitCode
     }
 }
 
-/// Goes on as another program, which has the stage and stands beside this one, with the same arguments.
-fn become_the_program(name: &str, args: &StageArgs) -> anyhow::Result<ExitCode> {
+/// Goes on as another program, which `package` makes, has the stage and stands beside this one, with the same arguments.
+fn become_the_program(name: &str, package: &str, args: &StageArgs) -> anyhow::Result<ExitCode> {
     args.load()?;
     let program = std::env::current_exe().context("finding this program")?.with_file_name(name);
     if !program.is_file() {
-        let missing =
-            format!("expected the program {name} as {}: cargo build --release -p {name} makes it", program.display());
+        let missing = format!(
+            "expected the program {name} as {}: cargo build --release -p {package} makes it",
+            program.display()
+        );
         return Err(BadInput(missing).into());
     }
     let mut words = std::env::args_os();

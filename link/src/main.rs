@@ -7,7 +7,7 @@ use common::process::{StageArgs, run};
 
 /// Carries topics of a site to another host; radar-chain starts it where the configuration has a table [link]
 ///
-/// Example: link stage link-out --config radar.toml
+/// Example: radar-link stage link-out --config radar.toml
 #[derive(Parser)]
 #[command(version, verbatim_doc_comment)]
 struct Args {
