@@ -4,7 +4,7 @@
 //! which message, in which version, and check sums of both.
 
 use bincode::config::{Configuration, Fixint, LittleEndian};
-use common::messages::{ForTopic, Message};
+use common::recording::container::schema;
 use common::topic::Topic;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -49,7 +49,7 @@ pub struct Enclosed {
 /// From the side that receives.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Answer {
-    /// The sender's session; 0 for the answer to nothing: a receiver that has just started asks for a beat.
+    /// The sender's session.
     pub session: u64,
     /// One start of the receiver.
     pub receiver: u64,
@@ -101,7 +101,7 @@ pub enum Refused {
 impl Enclosed {
     /// The label of a message with these bytes.
     pub fn new(topic: Topic, bytes: &[u8]) -> Self {
-        Self { topic: topic.name().to_string(), version: version(topic).to_string(), checksum: crc32fast::hash(bytes) }
+        Self { topic: topic.name().to_string(), version: schema(topic).0.to_string(), checksum: crc32fast::hash(bytes) }
     }
 
     /// The topic of the message, if this program can read it and its bytes are whole.
@@ -115,25 +115,12 @@ impl Enclosed {
         }
         let topic =
             Topic::from_name(&self.topic).ok_or_else(|| Refused::Topic(self.topic.escape_debug().to_string()))?;
-        let expected = version(topic);
+        let expected = schema(topic).0;
         if self.version != expected {
             return Err(Refused::Version { found: self.version.escape_debug().to_string(), expected });
         }
         Ok(topic)
     }
-}
-
-/// Version of the messages of a topic.
-fn version(topic: Topic) -> &'static str {
-    struct Version;
-    impl ForTopic for Version {
-        type Out = &'static str;
-
-        fn call<M: Message>(self) -> Self::Out {
-            M::SCHEMA
-        }
-    }
-    topic.apply(Version)
 }
 
 fn encoding() -> Configuration<LittleEndian, Fixint> {

@@ -52,7 +52,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let wakes = inputs.iter().map(|input| station.wake(input.topic())).collect::<Result<Vec<_>, _>>()?;
     let wakes: Vec<_> = wakes.iter().collect();
     let mut sender = Sender::new(way, &chain, session);
-    let (mut rejected, mut ending) = (Rejected::default(), None::<Instant>);
+    let mut ending = None::<Instant>;
 
     let watchdog = reporter.watchdog();
 
@@ -78,7 +78,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             for input in &inputs {
                 health.set_intake(input.topic(), input.intake());
             }
-            rejected = Rejected::default();
+            let mut rejected = Rejected::default();
             rejected.count_many(Reject::Full, sender.window.given_up());
             health.set_rejected(&rejected);
             (health.messages_out, health.scan) = (sender.window.end(), sender.scan);
