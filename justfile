@@ -8,7 +8,7 @@ check:
 
 # All tests
 test:
-    cargo test
+    cargo test --workspace
 
 # Property tests with other draws than `test` makes, and as many as asked for: `just search 7 50000`
 search seed cases="20000":

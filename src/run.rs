@@ -12,7 +12,7 @@ use common::topology::is_observer;
 
 use crate::checks::machine::allow_files;
 use crate::claim::Claim;
-use crate::stages::orphans::{Orphans, configuration};
+use crate::stages::orphans::{Orphans, configuration, visitors_leave};
 use crate::stages::resume::run_id;
 use crate::stages::supervisor::{End, Supervisor};
 use crate::watch::endpoint::{Endpoint, Look};
@@ -90,8 +90,10 @@ pub(crate) fn launch(
     {
         // Nobody can join that chain any more: nothing of it could be started again.
         say(&format!("{error:#}: ending its stages and starting the chain again"));
+        let domain = Domain::enter(&chain.ipc)?;
         orphans.kill();
-        Domain::enter(&chain.ipc)?.remove();
+        visitors_leave(&domain);
+        domain.remove();
         ended = supervise(&sites, None, companion);
     }
     if Orphans::are_gone(&sites)? {

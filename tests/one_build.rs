@@ -30,8 +30,9 @@ fn dependencies(packages: &[&str], edges: &str) -> BTreeMap<String, BTreeSet<Str
 fn run_build_and_test_share_every_dependency() {
     let run = dependencies(&["--package", "radar-chain"], "normal,build");
     assert!(run.keys().any(|name| name.starts_with("iceoryx2 ")), "{:?}", run.keys());
-    let build = dependencies(&["--workspace", "--exclude", "link"], "normal,build");
-    let test = dependencies(&["--workspace", "--exclude", "link"], "normal,build,dev");
+    // Without a package named, as `cargo run` and `cargo build` have it: the default members.
+    let build = dependencies(&[], "normal,build");
+    let test = dependencies(&[], "normal,build,dev");
     let differing = |one: &BTreeMap<String, BTreeSet<String>>, other: &BTreeMap<String, BTreeSet<String>>| {
         let differs = |(name, features): (&String, &BTreeSet<String>)| {
             let others = other.get(name).cloned().unwrap_or_default();
@@ -46,9 +47,15 @@ fn run_build_and_test_share_every_dependency() {
 
 #[test]
 fn the_first_run_compiles_neither_parquet_nor_plots_nor_regular_expressions() {
+    let named = |found: &String, heavy: &str| found.split(' ').next() == Some(heavy);
     let run = dependencies(&["--package", "radar-chain"], "normal,build");
-    for heavy in ["parquet", "plotters", "regex", "regex-automata", "clang-sys", "criterion", "indicatif"] {
-        let found = run.keys().find(|name| name.split(' ').next() == Some(heavy));
+    for heavy in ["parquet", "plotters", "regex", "regex-automata", "clang-sys", "criterion", "indicatif", "zenoh"] {
+        let found = run.keys().find(|found| named(found, heavy));
         assert_eq!(found, None, "in the launcher's build; cargo tree -i {heavy} says by whom");
+    }
+    // `cargo run` gives each crate the features that any default member asks for.
+    let build = dependencies(&[], "normal,build");
+    for heavy in ["zenoh", "regex-automata"] {
+        assert!(!build.keys().any(|found| named(found, heavy)), "a default member asks for {heavy}");
     }
 }

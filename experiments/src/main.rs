@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Parser;
 use clap::builder::{PossibleValue, PossibleValuesParser};
+use common::process::print;
 use experiments::catalogue::{ALL, EXPERIMENTS, named};
 use experiments::{Options, Progress, page, results, table};
 
@@ -74,17 +75,17 @@ fn main() -> anyhow::Result<()> {
         let outcome = (experiment.run)(&options, &progress);
         progress.finish();
         let outcome = outcome.with_context(|| format!("running {}", experiment.name))?;
-        println!("{}: {} runs, seed {}\n", experiment.name, outcome.runs, options.seed);
-        println!("{}", table::text(&outcome.rows));
+        print(&format!("{}: {} runs, seed {}\n\n", experiment.name, outcome.runs, options.seed));
+        print(&format!("{}\n", table::text(&outcome.rows)));
         for remark in &outcome.remarks {
-            println!("{remark}\n");
+            print(&format!("{remark}\n\n"));
         }
         if let Some(directory) = &args.figures {
             fs::create_dir_all(directory).with_context(|| format!("creating {}", directory.display()))?;
             for figure in &outcome.figures {
                 let file = directory.join(format!("{}.svg", figure.name));
                 fs::write(&file, figure.to_svg()?).with_context(|| format!("writing {}", file.display()))?;
-                println!("{}", file.display());
+                print(&format!("{}\n", file.display()));
             }
         }
         if let Some(file) = &args.page {

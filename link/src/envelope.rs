@@ -3,8 +3,7 @@
 //! The bytes of a message are those of recordings, the same on every architecture. Beside them goes an envelope: which protocol,
 //! which message, in which version, and check sums of both.
 
-use bincode::config::{Configuration, Fixint, LittleEndian};
-use common::recording::container::schema;
+use common::recording::container::{encoding, schema};
 use common::topic::Topic;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -121,10 +120,6 @@ impl Enclosed {
         }
         Ok(topic)
     }
-}
-
-fn encoding() -> Configuration<LittleEndian, Fixint> {
-    bincode::config::standard().with_fixed_int_encoding()
 }
 
 /// The bytes of an [`Envelope`] or an [`Answer`].

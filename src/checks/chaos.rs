@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use chacha20::ChaCha8Rng;
 use common::config::{ChainConfig, Sites, Speed};
 use common::ipc::Domain;
-use common::process::EXIT_CHECK_BROKEN;
+use common::process::{EXIT_CHECK_BROKEN, print};
 use common::random::{Purpose, generator};
 use common::report::{Book, ChainReport};
 use common::topic::Topic;
@@ -51,8 +51,8 @@ pub(crate) fn chaos(mut sites: Sites, kills: u32) -> anyhow::Result<ExitCode> {
         Err(code) => return Ok(code),
     };
     let mut findings = monkey.findings(kills);
-    print!("{}", monkey.table());
-    print!("{}", books_table(&outcome.report));
+    print(&monkey.table());
+    print(&books_table(&outcome.report));
     let reports = outcome.report.sites();
     let books = reports.iter().flat_map(|(_, report)| &report.books);
     findings.extend(books.filter(|book| !book.balances()).map(unbalanced));
@@ -61,12 +61,12 @@ pub(crate) fn chaos(mut sites: Sites, kills: u32) -> anyhow::Result<ExitCode> {
     let parts = reports.iter().filter_map(|(_, report)| report.recording.as_ref());
     findings.extend(parts.flat_map(|part| recordings(Path::new(part))));
     for finding in &findings {
-        println!("BROKEN {finding}");
+        print(&format!("BROKEN {finding}\n"));
     }
     if findings.is_empty() {
-        println!(
-            "\n{kills} kills: every stage came back within {BACK_WITHIN} scans, all losses are counted, no files are left"
-        );
+        print(&format!(
+            "\n{kills} kills: every stage came back within {BACK_WITHIN} scans, all losses are counted, no files are left\n"
+        ));
         Ok(ExitCode::SUCCESS)
     } else {
         Ok(ExitCode::from(EXIT_CHECK_BROKEN))
@@ -230,6 +230,6 @@ fn recordings(part: &Path) -> Vec<String> {
         verification.file(&path.display().to_string(), length, std::io::BufReader::with_capacity(1 << 20, file));
     }
     let (text, findings) = verification.finish();
-    println!("\n{} recordings verified, {findings} findings", parts.len());
+    print(&format!("\n{} recordings verified, {findings} findings\n", parts.len()));
     if findings == 0 { Vec::new() } else { text.lines().map(String::from).collect() }
 }

@@ -20,7 +20,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use common::config::ChainConfig;
-use common::process::{BadInput, EXIT_CHECK_BROKEN};
+use common::process::{BadInput, EXIT_CHECK_BROKEN, print};
 use common::report::{Blocks, Percentiles, Report, Soak};
 use evaluation::simultaneous::sidak;
 use evaluation::{Estimate, contrast, mean, poisson};
@@ -71,24 +71,24 @@ pub(crate) fn compare(a: &Path, b: &Path, tolerance: f64) -> anyhow::Result<Exit
     // What is too short to tell is summed up below.
     let told: Vec<&Row> = rows.iter().filter(|row| row.verdict != Verdict::TooShort).collect();
     if !told.is_empty() {
-        println!("{:<30}{:>12}{:>12}   ", "", "before", "after");
+        print(&format!("{:<30}{:>12}{:>12}   \n", "", "before", "after"));
     }
     for Row { name, before, after, found, verdict } in told {
         let mark = if *verdict == Verdict::Worse { "  WORSE" } else { "" };
-        println!("{name:<30}{before:>12}{after:>12}   {found}{mark}");
+        print(&format!("{name:<30}{before:>12}{after:>12}   {found}{mark}\n"));
     }
     let count = |verdict| rows.iter().filter(|row| row.verdict == verdict).count();
     let (worse, short) = (count(Verdict::Worse), count(Verdict::TooShort));
     let (all, told) = (rows.len(), format!("tolerance {:.0} %", tolerance * 100.0));
     if worse > 0 {
-        println!("\nworse in {worse} of {all} figures ({told})");
+        print(&format!("\nworse in {worse} of {all} figures ({told})\n"));
         return Ok(ExitCode::from(EXIT_CHECK_BROKEN));
     }
     match short {
-        0 => println!("\nnot worse ({told})"),
-        _ => println!(
-            "\ntoo short to tell in {short} of {all} figures: soak for longer; the others are not worse ({told})"
-        ),
+        0 => print(&format!("\nnot worse ({told})\n")),
+        _ => print(&format!(
+            "\ntoo short to tell in {short} of {all} figures: soak for longer; the others are not worse ({told})\n"
+        )),
     }
     Ok(ExitCode::SUCCESS)
 }

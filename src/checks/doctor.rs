@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use common::config::{ChainConfig, Scheduling, Sites};
 use common::ipc::{Domain, free_bytes, shared_memory_needed};
-use common::process::EXIT_CHECK_BROKEN;
+use common::process::{EXIT_CHECK_BROKEN, print};
 use rustix::process::{Resource, getrlimit};
 use serde::Serialize;
 
@@ -62,7 +62,7 @@ pub(crate) fn doctor(sites: &Sites, json: bool) -> anyhow::Result<ExitCode> {
         domain(chain),
     ];
     if json {
-        println!("{}", serde_json::to_string_pretty(&findings)?);
+        print(&format!("{}\n", serde_json::to_string_pretty(&findings)?));
     } else {
         for Finding { level, what, found, advice } in &findings {
             let mark = match level {
@@ -70,9 +70,9 @@ pub(crate) fn doctor(sites: &Sites, json: bool) -> anyhow::Result<ExitCode> {
                 Level::Note => "note",
                 Level::Bad => "BAD ",
             };
-            println!("{mark}  {what:<16}{found}");
+            print(&format!("{mark}  {what:<16}{found}\n"));
             if !advice.is_empty() {
-                println!("      {:<16}→ {advice}", "");
+                print(&format!("      {:<16}→ {advice}\n", ""));
             }
         }
     }

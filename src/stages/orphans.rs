@@ -97,6 +97,15 @@ impl Orphans {
     }
 }
 
+/// Waits until those who look at a domain have left it: a visitor takes the files of its services away when it goes, by then
+/// perhaps those of a chain that has just been started. Without a stage there nobody comes anew.
+pub(crate) fn visitors_leave(domain: &Domain) {
+    let began = Instant::now();
+    while domain.is_alive() && began.elapsed() < VISIT {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
 /// A process that a launcher has started as the stage `id` with the configuration `file`, and that may not have entered the domain.
 pub(crate) fn find_started(file: &Path, id: &StageId) -> Option<u32> {
     started(file).find(|of| is_stage(of, id)).map(|of| of.pid)

@@ -17,7 +17,16 @@ pub(crate) const DEADLINE: Duration = Duration::from_secs(120);
 
 /// Configuration of the small radar.
 pub(crate) fn small_config() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/config/small.toml")
+    let folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    folders.map(|folder| folder.join("tests/config/small.toml")).find(|file| file.exists()).expect("its configuration")
+}
+
+/// The launcher: that of this package, or for tests of the link the one that `cargo test --workspace` builds beside.
+fn launcher() -> Command {
+    let beside = || std::env::current_exe().ok()?.ancestors().nth(2).map(|folder| folder.join("radar-chain"));
+    let path = option_env!("CARGO_BIN_EXE_radar-chain").map(PathBuf::from).or_else(beside).expect("a folder");
+    assert!(path.exists(), "{} is missing: cargo test --workspace builds it", path.display());
+    Command::new(path)
 }
 
 /// A domain and a folder for one test.
@@ -50,7 +59,7 @@ impl Bench {
 
     /// The same without a configuration.
     pub(crate) fn bare(&self, command: &str) -> Command {
-        let mut process = Command::new(env!("CARGO_BIN_EXE_radar-chain"));
+        let mut process = launcher();
         process
             .current_dir(self.folder.path())
             .arg(command)
@@ -64,7 +73,7 @@ impl Bench {
 
     /// `radar-chain run` of the small radar in this folder, with the prefix of another bench.
     pub(crate) fn in_domain_of(&self, other: &Self) -> Command {
-        let mut process = Command::new(env!("CARGO_BIN_EXE_radar-chain"));
+        let mut process = launcher();
         process
             .current_dir(self.folder.path())
             .args(["run", "--no-display", "--ipc-prefix", &other.prefix])
@@ -105,8 +114,12 @@ impl Bench {
 
     /// What the processes of the chain say of themselves.
     pub(crate) fn status(&self) -> Option<Value> {
-        let output = output(self.command("status", &small_config()).arg("--json"));
+        let output = self.look();
         if output.status.success() { serde_json::from_slice(&output.stdout).ok() } else { None }
+    }
+
+    fn look(&self) -> Output {
+        output(self.command("status", &small_config()).arg("--json"))
     }
 
     /// Waits until the status fulfils a condition and gives what it found.
@@ -116,8 +129,10 @@ impl Bench {
             if let Some(found) = self.status().as_ref().and_then(&condition) {
                 return found;
             }
+            // Each look is a process of its own, and others measure beside this one.
+            std::thread::sleep(Duration::from_millis(20));
         }
-        panic!("waited {DEADLINE:?} for {what}: {:?}", self.status());
+        panic!("waited {DEADLINE:?} for {what}: {}", text_of(&self.look()));
     }
 
     pub(crate) fn report(&self) -> Report {
@@ -190,13 +205,15 @@ impl Drop for Running {
             signal(child.id(), "TERM");
             signal(child.id(), "TERM");
             let began = Instant::now();
-            while began.elapsed() < Duration::from_secs(10) {
-                if matches!(child.try_wait(), Ok(Some(_))) {
-                    return;
-                }
+            while began.elapsed() < Duration::from_secs(10) && !matches!(child.try_wait(), Ok(Some(_))) {
                 std::thread::sleep(Duration::from_millis(20));
             }
             let _ = child.kill();
+            if std::thread::panicking()
+                && let Ok(output) = child.wait_with_output()
+            {
+                eprintln!("the launcher: {}", text_of(&output));
+            }
         }
     }
 }

@@ -56,7 +56,8 @@ const GAP_SCHEMA: &str = r#"{"type":"object","description":"Messages that are mi
 "count":{"type":"integer","description":"How many are missing"},
 "reason":{"type":"string","enum":["queue","disk","away","sender"]}}}"#;
 
-fn encoding() -> Configuration<LittleEndian, Fixint> {
+/// How numbers are written in recordings and on links: every one at its full width, little-endian.
+pub fn encoding() -> Configuration<LittleEndian, Fixint> {
     bincode::config::standard().with_fixed_int_encoding()
 }
 

@@ -1,5 +1,6 @@
 //! A site on one host, its tracks on another: two chains with a link between them.
 
+#[path = "../../tests/support/mod.rs"]
 mod support;
 
 use std::io::copy;
