@@ -6,30 +6,17 @@ mod viewer;
 mod support;
 
 use std::io::Write;
-use std::net::{SocketAddr, TcpStream};
+use std::net::TcpStream;
 use std::path::Path;
 use std::time::Instant;
 
 use serde_json::Value;
 use support::{Bench, DEADLINE, Running, difference, number, signal, text_of};
 use tungstenite::Message;
-use viewer::{Live, connect, get};
+use viewer::{Live, address_in, connect, get};
 
 /// With a display at any free port.
 const WITH_DISPLAY: [&str; 4] = ["--set", "display.enabled=true", "--set", "display.listen='127.0.0.1:0'"];
-
-/// Where the picture of the chain in this domain is.
-fn address(bench: &Bench) -> SocketAddr {
-    let (file, began) = (bench.root().join(display::process::ADDRESS_FILE), Instant::now());
-    loop {
-        let text = std::fs::read_to_string(&file).unwrap_or_default();
-        if let Some(address) = text.trim().strip_prefix("http://").and_then(|address| address.parse().ok()) {
-            return address;
-        }
-        assert!(began.elapsed() < DEADLINE, "no picture");
-        std::thread::sleep(std::time::Duration::from_millis(10));
-    }
-}
 
 fn start(bench: &Bench, arguments: &[&str]) -> Running {
     bench.start(&[arguments, &WITH_DISPLAY].concat())
@@ -45,7 +32,7 @@ fn the_eight_drones_are_seen_over_http_and_the_numbers_are_those_of_status() {
     let bench = Bench::new();
     let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/uav.toml");
     let running = bench.start_config(&config, &[&["--scans", "0"], &WITH_DISPLAY[..]].concat());
-    let (address, began) = (address(&bench), Instant::now());
+    let (address, began) = (address_in(&bench.root()), Instant::now());
     let confirmed = || get(address, "/api/v1/sites/uav/tracks?confirmed=true").json().as_array().map_or(0, Vec::len);
     while confirmed() != 8 {
         assert!(began.elapsed() < DEADLINE, "{} tracks", confirmed());
@@ -126,7 +113,7 @@ fn no_viewer_disturbs_the_chain_or_another_viewer() {
     assert!(quiet.run(&["--scans", "60"]).status.success());
     let bench = Bench::new();
     let running = start(&bench, &["--scans", "60", "--speed", "1"]);
-    let address = address(&bench);
+    let address = address_in(&bench.root());
     let everything = r#"{"want": {"video": {"lines": 1024, "ranges": 512}, "plots": true, "tracks": true, "truth": true, "health": true, "events": true}}"#;
     let (mut awake, mut still, mut flood) = (Live::open(address), Live::open(address), Live::open(address));
     awake.send(everything);

@@ -8,6 +8,7 @@ use plot_extractor::PlotExtractor;
 use recorder::diff::first_difference;
 use support::{Bench, text_of};
 use tracker::Tracker;
+use tracker::orders::Orders;
 
 fn messages(
     path: &std::path::Path,
@@ -117,7 +118,8 @@ fn batch_runs_repeat_the_chain() {
     let mut lines = Vec::new();
     let mut tracker = Tracker::new(&chain.tracker, 1).expect("valid configuration");
     let mut out = jsonl::Writer::new(&mut lines);
-    let summary = tracker::replay::replay(messages(&recording), &mut tracker, &mut out).expect("a replay");
+    let summary =
+        tracker::replay::replay(messages(&recording), &mut tracker, Orders::default(), &mut out).expect("a replay");
     out.finish().expect("written");
     assert_eq!(summary.messages, 12 * 8);
     assert_eq!(replayed(Topic::Tracks, &lines), None);

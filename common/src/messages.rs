@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::commands::{Command, CommandsHeader, MAX_COMMANDS};
 use crate::dwell::{DwellHeader, MAX_CELLS};
 use crate::health::{Health, HealthHeader};
 use crate::message::{Header, Lineage, Place};

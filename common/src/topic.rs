@@ -26,6 +26,12 @@ macro_rules! with_topics {
             /// What several sites together know of targets.
             SystemTracks("system-tracks", "system-tracks/1") SystemTracksHeader, [SystemTrack; MAX_SYSTEM_TRACKS]
                 { QUEUE: 8, SUBSCRIBERS: 5, PUBLISHERS: 2, HISTORY: 0 } from "system_tracks.rs";
+            /// What an operator asks of the tracker.
+            Commands("commands", "commands/1") CommandsHeader, [Command; MAX_COMMANDS]
+                { QUEUE: 32, SUBSCRIBERS: 3, PUBLISHERS: 4, HISTORY: 0 } from "label.rs" "commands.rs";
+            /// What the tracker has made of it.
+            Actions("actions", "actions/1") CommandsHeader, [Command; MAX_COMMANDS]
+                { QUEUE: 128, SUBSCRIBERS: 6, PUBLISHERS: 2, HISTORY: 128 } from "label.rs" "commands.rs";
             /// State of a process.
             HealthReports("health", "health/3") HealthHeader, [Health; 1]
                 { QUEUE: 16, SUBSCRIBERS: 12, PUBLISHERS: 16, HISTORY: 1 } from "label.rs" "health.rs";
@@ -69,14 +75,14 @@ impl Topic {
         Self::ALL.into_iter().find(|topic| topic.name() == name)
     }
 
-    /// All topics but health, which tells of processes and not of what the radar sees.
+    /// All topics that tell of what the radar sees, and not of processes or operators.
     pub fn of_data() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(|topic| topic.is_data())
     }
 
     /// Whether its messages tell of what the radar sees.
     pub fn is_data(self) -> bool {
-        self != Self::HealthReports
+        !matches!(self, Self::HealthReports | Self::Commands | Self::Actions)
     }
 
     /// Whether it is too much for text, and for a recording unless it is asked for: 10⁸ bytes a second, 10⁹ as text.

@@ -6,7 +6,7 @@
 //!                                       other sites ──tracks─▶ fusion ───┘
 //! plot-source, replay, a program of the user's: any of these topics ──────┘
 //! any of these topics but dwells ──▶ link-out ──another host──▶ link-in ──▶ the same topics
-//! display: all topics, never waited for
+//! display: all topics, never waited for ──commands──▶ tracker ──actions──▶ recorder, display
 //! outputs: tracks and plots, never waited for
 //! ```
 //!
@@ -114,7 +114,15 @@ pub const STAGES: [Stage; 11] = [
         name: "replay",
         role: Role::Source(Source::Replay),
         inputs: &[],
-        outputs: &[Topic::Dwells, Topic::Plots, Topic::Tracks, Topic::Truth],
+        outputs: &[
+            Topic::Dwells,
+            Topic::Plots,
+            Topic::Tracks,
+            Topic::Truth,
+            // What operators did: once more to a tracker, or as it was where none runs.
+            Topic::Commands,
+            Topic::Actions,
+        ],
     },
     Stage {
         name: FUSION,
@@ -131,7 +139,12 @@ pub const STAGES: [Stage; 11] = [
         outputs: &[Topic::Truth, Topic::Plots, Topic::Tracks, Topic::SystemTracks],
     },
     Stage { name: "plot-extractor", role: Role::Processor, inputs: &[always(Topic::Dwells)], outputs: &[Topic::Plots] },
-    Stage { name: "tracker", role: Role::Processor, inputs: &[always(Topic::Plots)], outputs: &[Topic::Tracks] },
+    Stage {
+        name: TRACKER,
+        role: Role::Processor,
+        inputs: &[always(Topic::Plots), always(Topic::Commands)],
+        outputs: &[Topic::Tracks, Topic::Actions],
+    },
     Stage {
         name: LINK_OUT,
         role: Role::Processor,
@@ -146,6 +159,7 @@ pub const STAGES: [Stage; 11] = [
             always(Topic::Truth),
             Input { topic: Topic::Dwells, required: Required::IfDwellsAreRecorded },
             always(Topic::Plots),
+            always(Topic::Actions),
             always(Topic::Tracks),
             always(Topic::SystemTracks),
             never(Topic::HealthReports),
@@ -161,9 +175,10 @@ pub const STAGES: [Stage; 11] = [
             never(Topic::Plots),
             never(Topic::Tracks),
             never(Topic::SystemTracks),
+            never(Topic::Actions),
             never(Topic::HealthReports),
         ],
-        outputs: &[],
+        outputs: &[Topic::Commands],
     },
     Stage {
         name: OUTPUTS,
@@ -173,6 +188,8 @@ pub const STAGES: [Stage; 11] = [
     },
 ];
 
+/// Name of the stage that makes tracks from plots.
+pub const TRACKER: &str = "tracker";
 /// Name of the stage that makes the tracks of one site from those of all others.
 pub const FUSION: &str = "fusion";
 /// Name of the stage that sends what a site says to another host.
@@ -294,10 +311,10 @@ pub fn last_in_processing(topics: &[Topic]) -> Topic {
     backwards.find(|topic| topics.contains(topic)).unwrap_or(Topic::Plots)
 }
 
-/// The stage whose results travel on `topic`, and the topic that it makes them from.
+/// The stage whose results, each from messages of its input, travel on `topic`, and the topic that it makes them from.
 pub fn maker(topic: Topic) -> Option<(&'static Stage, Topic)> {
     let mut processors = STAGES.iter().filter(|stage| stage.role == Role::Processor);
-    processors.find(|stage| stage.outputs.contains(&topic)).map(|stage| (stage, stage.inputs[0].topic))
+    processors.find(|stage| stage.outputs.first() == Some(&topic)).map(|stage| (stage, stage.inputs[0].topic))
 }
 
 /// The stages of a site that publishers of `topic` wait for, one bit each.

@@ -2,7 +2,9 @@
 
 import { byId, element } from "./element.js";
 
-const KINDS = { exclusion: "no tracks begin here", acquisition: "tracks begin sooner here" };
+const KINDS = { exclusion: "no tracks begin here", acquisition: "two plots make a track here" };
+/** What a zone has room for, as the server says. */
+const MOST_CORNERS = 16;
 
 export class Control {
   /** @param {(text: string) => void} say tells the operator what has happened */
@@ -11,17 +13,19 @@ export class Control {
     /** What a click on the plan does now: nothing special, `acquire` or `zone`. */
     this.mode = null;
     scene.zones = [];
+    /** Zones by site, as the server tells of them. */
+    this.zones = new Map();
     scene.draft = [];
     const button = (text, act, more = {}) => element("button", { type: "button", onclick: act, ...more }, text);
     this.acquire = button("Acquire", () => this.#enter("acquire"), { "aria-pressed": "false" });
     this.zone = button("Zone", () => this.#enter("zone"), { "aria-pressed": "false" });
-    this.name = element("input", { "aria-label": "Name of the zone", placeholder: "name", size: 8 });
+    this.name = element("input", { "aria-label": "Name of the zone", placeholder: "name", size: 8, maxlength: 32 });
     this.kind = element("select", { "aria-label": "Kind of zone" }, ...Object.keys(KINDS).map((kind) => element("option", { value: kind }, kind)));
     this.finish = button("Finish", () => this.#finishZone());
     this.zoneForm = element("span", { class: "zone-form", hidden: true }, this.name, this.kind, this.finish);
     this.zoneList = element("ul", { class: "zones", "aria-label": "Zones" });
     this.hint = element("p", { class: "hint", role: "status", hidden: true });
-    this.label = element("input", { "aria-label": "Label of the track", placeholder: "label", size: 8, maxlength: 16 });
+    this.label = element("input", { "aria-label": "Label of the track", placeholder: "label", size: 8, maxlength: 32 });
     this.ofTrack = element("form", { class: "of-track", hidden: true }, this.label, element("button", {}, "Label"), button("Drop", () => this.#drop()));
     this.ofTrack.addEventListener("submit", (event) => {
       event.preventDefault();
@@ -34,11 +38,17 @@ export class Control {
 
   start(hello) {
     this.allowed = hello.control === true && hello.mode === "live";
-    for (const of of [this.acquire, this.zone, this.zoneList]) of.hidden = !this.allowed;
-    this.ofTrack.hidden = !this.allowed;
+    for (const of of [this.acquire, this.zone, this.ofTrack]) of.hidden = !this.allowed;
     this.leave();
     this.sites = hello.sites;
-    if (this.allowed) this.#readZones();
+    this.zones.clear();
+    this.#showZones();
+  }
+
+  /** What operators have done at a site: everybody sees it. */
+  hear({ site, zones }) {
+    this.zones.set(site, zones);
+    this.#showZones();
   }
 
   /** A click or Enter on the plan; says whether it was for us. */
@@ -46,8 +56,8 @@ export class Control {
     if (this.mode === null) return false;
     if (this.mode === "acquire") {
       this.leave();
-      this.#post(this.#path("tracks"), { x_m: x, y_m: y }, "Track asked for");
-    } else {
+      this.#post(this.#path("tracks"), { x_m: x, y_m: y }, "A track may begin there now, within five turns");
+    } else if (this.scene.draft.length < MOST_CORNERS) {
       this.scene.draft.push([x, y]);
       this.#changed();
       this.#tell();
@@ -102,7 +112,7 @@ export class Control {
     const zone = { kind: this.kind.value, name, polygon_m };
     this.leave();
     this.name.value = "";
-    return this.#post(this.#path("zones"), zone, `Zone ${name} set`).then(() => this.#readZones());
+    return this.#post(this.#path("zones"), zone, `Zone ${name} set`);
   }
 
   #drop() {
@@ -114,49 +124,45 @@ export class Control {
     const { track } = this.scene.selection;
     if (!track) return;
     const label = this.label.value.trim();
-    this.#post(this.#path(`tracks/${track.id}/label`, track.site), { label }, `Track ${track.id} is now ${label || "without a label"}`).then((done) => {
-      if (done) Object.assign(track, { label, short: undefined, labelled: undefined });
-    });
+    this.#post(this.#path(`tracks/${track.id}/label`, track.site), { label }, `Track ${track.id} is now ${label || "without a label"}`);
   }
 
-  async #readZones() {
-    const all = await Promise.all(this.sites.map(({ name }) => this.#send("GET", this.#path("zones", name))));
-    this.scene.zones = all.flatMap((zones, i) => (Array.isArray(zones) ? zones : []).map((zone) => ({ ...zone, site: this.sites[i].name })));
+  #showZones() {
+    this.scene.zones = [...this.zones].flatMap(([site, zones]) => zones.map((zone) => ({ ...zone, site })));
+    const remove = ({ site, name }) =>
+      element("button", { type: "button", "aria-label": `Remove zone ${name}`, onclick: () => this.#removeZone(site, name) }, "×");
     this.zoneList.replaceChildren(
-      ...this.scene.zones.map(({ site, name, kind }) =>
-        element("li", { title: KINDS[kind] }, `${name}, ${kind} `, element("button", { type: "button", "aria-label": `Remove zone ${name}`, onclick: () => this.#removeZone(site, name) }, "×")),
+      ...this.scene.zones.map((zone) =>
+        element("li", { title: KINDS[zone.kind] }, `${zone.name}, ${zone.kind} `, ...(this.allowed ? [remove(zone)] : [])),
       ),
     );
+    this.zoneList.hidden = this.scene.zones.length === 0;
     this.#changed();
   }
 
-  async #removeZone(site, name) {
-    await this.#send("DELETE", this.#path(`zones/${encodeURIComponent(name)}`, site), undefined, `Zone ${name} removed`);
-    await this.#readZones();
+  #removeZone(site, name) {
+    return this.#send("DELETE", this.#path(`zones/${encodeURIComponent(name)}`, site), undefined, `Zone ${name} removed`);
   }
 
   /** The site that commands go to: that of the chosen track, or the first. */
   #path(rest, site = this.scene.selection.track?.site ?? this.sites[0].name) {
-    return `/api/v1/sites/${encodeURIComponent(site)}/${rest}${location.search}`;
+    return `/api/v1/sites/${encodeURIComponent(site)}/${rest}`;
   }
 
   #post(path, body, done) {
     return this.#send("POST", path, body, done);
   }
 
-  /** Sends a command; says what came of it, and gives back the answer, or null. */
+  /** Sends a command and says what came of it. */
   async #send(method, path, body, done) {
     try {
       const headers = body ? { "content-type": "application/json" } : {};
       const answer = await fetch(path, { method, headers, body: body && JSON.stringify(body) });
-      const text = await answer.text();
-      const content = text ? JSON.parse(text) : true;
+      const content = await answer.json();
       if (!answer.ok) throw new Error(content.error ?? `the server answered ${answer.status}`);
-      if (done) this.say(`${done}.`);
-      return content;
+      this.say(content.outcome === "accepted" ? `${done}.` : "Asked for: the tracker has not answered yet.");
     } catch (error) {
       this.say(`Not done: ${error.message}`);
-      return null;
     }
   }
 

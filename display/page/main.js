@@ -83,6 +83,11 @@ const hearers = {
   track: (message) => selection.hear(message),
   health: (message) => chain.hear(message),
   event: (message) => events.add(message),
+  operator(message) {
+    picture.setLabels(message);
+    control.hear(message);
+    panels();
+  },
   time: (message) => timeline.hear(message),
   reset() {
     picture.clear();

@@ -35,6 +35,8 @@ export class Picture {
     this.widened = false;
     /** Longest scan of all sites, s. */
     this.scan_s = Math.max(...[...this.sites.values()].map(({ of }) => of.scan_period_s || 1), 0.1);
+    /** Labels of tracks by number, by site. */
+    this.labels = new Map();
     this.clear();
   }
 
@@ -127,11 +129,20 @@ export class Picture {
     this.version += 1;
   }
 
+  /** The labels that operators have given the tracks of a site. */
+  setLabels({ site, labels }) {
+    this.labels.set(site, labels);
+    for (const track of this.tracks.values()) {
+      if (track.site === site) Object.assign(track, { label: labels[track.id] ?? "", short: undefined, labelled: undefined });
+    }
+    this.version += 1;
+  }
+
   #trackOf(store, site, id) {
     const key = `${site}/${id}`;
     let track = store.get(key);
     if (!track) {
-      track = { key, site, id, epoch_s: this.epoch_s, label: "" };
+      track = { key, site, id, epoch_s: this.epoch_s, label: this.labels.get(site)?.[id] ?? "" };
       store.set(key, track);
     }
     return track;

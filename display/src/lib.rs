@@ -7,6 +7,7 @@
 //! Messages come from shared memory ([`process`], an observer: the chain never waits for it, and it may come and go at any
 //! time) or from a recording ([`view`], and [`plan`] for a drawing of one time). `docs/display-api.md` describes what programs can read.
 
+mod commands;
 pub mod feed;
 mod page;
 pub mod picture;

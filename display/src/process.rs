@@ -10,6 +10,7 @@ use common::process::{HealthReporter, StageArgs, new_session, say, stop_requeste
 use common::realtime;
 use common::topology::DISPLAY;
 
+use crate::commands::Outbox;
 use crate::feed::Feed;
 use crate::serve::{Access, Served, bind, serve};
 
@@ -41,9 +42,12 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
 
     let wakes = feed.wakes()?;
     let wakes: Vec<_> = wakes.iter().collect();
-    let mut reporter = HealthReporter::new(&station, chain, new_session(), refused)?;
+    let session = new_session();
+    let mut outbox = Outbox::open(&station, &sites, session)?;
+    let mut reporter = HealthReporter::new(&station, chain, session, refused)?;
     attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
         let flow = feed.take_waiting(&served)?;
+        outbox.send_waiting(&served)?;
         let flow = if stop_requested() || feed.has_ended() { Flow::End } else { flow };
         if flow == Flow::End || reporter.is_due() {
             feed.describe(&mut reporter.health);

@@ -6,6 +6,7 @@ mod support;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use common::commands::{ACCEPTED, Command, CommandsHeader, EXCLUSION_ZONE};
 use common::config::{ChainConfig, Sites};
 use common::health::{Health, HealthHeader};
 use common::messages::RecordedRef;
@@ -17,6 +18,7 @@ use display::serve::{Access, Served, bind, serve};
 use display::wire::columns::Column;
 use display::wire::explain::TrackMessage;
 use display::wire::hello::Chain;
+use display::wire::operator::{Acquisition, Answer, TrackLabel, Zone};
 use display::wire::plots::PLOTS;
 use display::wire::tracks::TRACKS;
 use display::wire::truth::SYSTEM_TRACKS;
@@ -61,6 +63,34 @@ fn path(summary: &str, parameters: &[Value], kind: &str, schema: &Value) -> Valu
     json!({"get": {"summary": summary, "parameters": parameters, "responses": responses}})
 }
 
+/// A request by which an operator acts, with what it holds.
+fn acting(summary: &str, parameters: &[Value], content: Option<&Value>) -> Value {
+    let json =
+        |about: &str, schema: Value| json!({"description": about, "content": {"application/json": {"schema": schema}}});
+    let error = |about: &str| json(about, json!({"$ref": "#/components/schemas/Error"}));
+    let answer = |about: &str| json(about, json!({"$ref": "#/components/schemas/Answer"}));
+    let mut request = json!({"summary": summary, "parameters": parameters, "responses": {
+        "200": answer("The tracker has accepted it."),
+        "202": answer("The tracker has not answered yet: an event tells what it says."),
+        "400": error("It makes no sense."),
+        "401": error("A token is expected."),
+        "403": error("A foreign host or origin, or nobody may act here."),
+        "404": error("There is none."),
+        "409": error("The site has no tracker here, or its tracker no room."),
+        "503": error("Too many commands wait."),
+    }});
+    if let Some(content) = content {
+        request["requestBody"] = json!({"required": true, "content": {"application/json": {"schema": content}}});
+    }
+    request
+}
+
+/// The same path with another method.
+fn and(mut path: Value, method: &str, request: Value) -> Value {
+    path[method] = request;
+    path
+}
+
 /// The description, from the types.
 fn description() -> Value {
     let settings = SchemaSettings::draft2020_12().with(|settings| {
@@ -68,11 +98,16 @@ fn description() -> Value {
         settings.meta_schema = None;
     });
     let mut generator = settings.into_generator();
-    let [chain, event, track] = [
+    let [chain, event, track, _, acquisition, label, zone] = [
         generator.subschema_for::<Chain>(),
         generator.subschema_for::<Event>(),
         generator.subschema_for::<TrackMessage>(),
-    ];
+        generator.subschema_for::<Answer>(),
+        generator.subschema_for::<Acquisition>(),
+        generator.subschema_for::<TrackLabel>(),
+        generator.subschema_for::<Zone>(),
+    ]
+    .map(|schema| json!(schema));
     let mut schemas = generator.take_definitions(true);
     schemas.insert("PlotRow".into(), row(&PLOTS));
     schemas.insert("TrackRow".into(), row(&TRACKS));
@@ -80,6 +115,7 @@ fn description() -> Value {
     let error = json!({"type": "object", "properties": {"error": {"type": "string"}}, "required": ["error"], "additionalProperties": false});
     schemas.insert("Error".into(), error);
     let site = || parameter("site", "path", "string", "Name of a site.");
+    let track_id = || parameter("id", "path", "integer", "Number of the track.");
     let json = "application/json";
     let object = json!({"type": "object", "additionalProperties": true});
     json!({
@@ -96,17 +132,25 @@ fn description() -> Value {
         "security": [{}, {"token": []}],
         "paths": {
             "/api/v1/openapi.json": path("This description.", &[], json, &object),
-            "/api/v1/chain": path("What there is to see.", &[], json, &json!(chain)),
+            "/api/v1/chain": path("What there is to see.", &[], json, &chain),
             "/api/v1/status": path(
                 "What the processes say of themselves by name, site by site where there are several: what `radar-chain status --json` prints.",
                 &[], json, &object),
-            "/api/v1/sites/{site}/tracks": path(
+            "/api/v1/sites/{site}/tracks": and(path(
                 "The living tracks of a site.",
                 &[site(), parameter("confirmed", "query", "boolean", "Whether to leave out tentative tracks.")],
                 json, &list("TrackRow")),
-            "/api/v1/sites/{site}/tracks/{id}": path(
-                "Everything that is known of a track.",
-                &[site(), parameter("id", "path", "integer", "Number of the track.")], json, &json!(track)),
+                "post", acting("Has a track begin at a place, from the first two plots in the next five turns.", &[site()], Some(&acquisition))),
+            "/api/v1/sites/{site}/tracks/{id}": and(path(
+                "Everything that is known of a track.", &[site(), track_id()], json, &track),
+                "delete", acting("Ends a track. If its target is seen again, it gets another number.", &[site(), track_id()], None)),
+            "/api/v1/sites/{site}/tracks/{id}/label": {
+                "post": acting("Gives a track a label, or takes it away.", &[site(), track_id()], Some(&label))},
+            "/api/v1/sites/{site}/zones": and(
+                path("The zones of a site.", &[site()], json, &list("Zone")),
+                "post", acting("Sets a zone, in place of one of the same name.", &[site()], Some(&zone))),
+            "/api/v1/sites/{site}/zones/{name}": {"delete": acting(
+                "Removes a zone.", &[site(), parameter("name", "path", "string", "Name of the zone.")], None)},
             "/api/v1/sites/{site}/plots": path("The plots of the last scan of a site.", &[site()], json, &list("PlotRow")),
             "/api/v1/system-tracks": path("What several sites together know of targets.", &[], json, &list("SystemTrackRow")),
             "/api/v1/events": path(
@@ -236,6 +280,9 @@ fn answers_are_as_described() {
     };
     served.take(0, RecordedRef::Tracks(&tracks, &[track]), 2);
     served.take(0, RecordedRef::SystemTracks(&SystemTracksHeader::default(), &[SystemTrack::default()]), 1);
+    let zone = Command { name: "hill".into(), outcome: ACCEPTED, ..Command::new(EXCLUSION_ZONE, 1, 1) };
+    let zone = zone.at(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+    served.take(0, RecordedRef::Actions(&CommandsHeader::default(), &[zone]), 1);
     let health = Health { process: "tracker".into(), ..Health::default() };
     served.take(0, RecordedRef::HealthReports(&HealthHeader::default(), &[health]), 1);
 
@@ -255,7 +302,7 @@ fn answers_are_as_described() {
         check(&value, &schema["schema"], schemas, path).unwrap_or_else(|error| panic!("{error}"));
         checked += 1;
     }
-    assert_eq!(checked, 8);
+    assert_eq!(checked, 9);
     let error = support::get(address, "/api/v1/sites/none/plots");
     check(&error.json(), &schemas["Error"], schemas, "error").expect("as described");
     // The check itself finds what is wrong.

@@ -124,7 +124,7 @@ fn paths_queries_and_methods_that_there_are_not_are_named() {
         .expect("sent");
     let mut answer = String::new();
     stream.read_to_string(&mut answer).expect("an answer");
-    assert!(answer.starts_with("HTTP/1.1 405") && answer.contains("DELETE found, expected GET"), "{answer}");
+    assert!(answer.starts_with("HTTP/1.1 405") && answer.contains("DELETE cannot be done here"), "{answer}");
     assert_eq!(get(address, "/api/v1/sites/site1/tracks/7").status, 200);
 }
 

@@ -253,6 +253,32 @@ class SystemTrack(ctypes.Structure):
     ]  # 408 bytes
 
 
+class CommandsHeader(ctypes.Structure):
+    _fields_ = [
+        ("seq", ctypes.c_uint64),
+        ("session", ctypes.c_uint64),
+        ("time_ns", ctypes.c_uint64),
+        ("out_ns", ctypes.c_uint64),
+        ("reserved", ctypes.c_uint64 * 4),
+    ]  # 64 bytes
+
+
+class Command(ctypes.Structure):
+    _fields_ = [
+        ("asked_ns", ctypes.c_uint64),
+        ("id", ctypes.c_uint64),
+        ("before_seq", ctypes.c_uint64),
+        ("track_id", ctypes.c_uint64),
+        ("radius_m", ctypes.c_double),
+        ("corners_m", ctypes.c_double * 2 * 16),
+        ("name", ctypes.c_char * 32),
+        ("kind", ctypes.c_uint32),
+        ("outcome", ctypes.c_uint32),
+        ("corners", ctypes.c_uint32),
+        ("reserved", ctypes.c_uint32),
+    ]  # 344 bytes
+
+
 class HealthHeader(ctypes.Structure):
     _fields_ = [
         ("session", ctypes.c_uint64),
@@ -347,6 +373,8 @@ TOPICS = {
     "tracks": Topic(TracksHeader, Track, "radar/TracksHeader/2", "radar/Track/3", 64, "tracks/3", 256),
     "truth": Topic(TruthHeader, TruthTarget, "radar/TruthHeader/1", "radar/TruthTarget/1", 64, "truth/1", 1024),
     "system-tracks": Topic(SystemTracksHeader, SystemTrack, "radar/SystemTracksHeader/1", "radar/SystemTrack/1", 64, "system-tracks/1", 1024),
+    "commands": Topic(CommandsHeader, Command, "radar/CommandsHeader/1", "radar/Command/1", 64, "commands/1", 1),
+    "actions": Topic(CommandsHeader, Command, "radar/CommandsHeader/1", "radar/Command/1", 64, "actions/1", 1),
     "health": Topic(HealthHeader, Health, "radar/HealthHeader/1", "radar/Health/3", 8, "health/3", 1),
 }
 

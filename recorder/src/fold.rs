@@ -168,6 +168,11 @@ impl Fold {
         self.losses.intake(topic)
     }
 
+    /// Whether a message comes a second time.
+    pub(crate) fn has_taken(&self, message: RecordedRef<'_>) -> bool {
+        self.losses.has_taken(message)
+    }
+
     /// p50, p99 and misses so far.
     pub fn latency_summaries(&self) -> [LatencySummary; LATENCIES] {
         self.latencies.summaries()

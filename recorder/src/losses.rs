@@ -184,9 +184,16 @@ impl Losses {
         Missing { gap: (count > 0).then_some(gap), excess: announced.saturating_sub(missing) }
     }
 
+    /// Whether a message comes a second time.
+    pub(crate) fn has_taken(&self, message: RecordedRef<'_>) -> bool {
+        let stream = &self.streams[message.topic() as usize];
+        let Intake { received, last_seq, .. } = stream.intake;
+        received > 0 && stream.session == message.session() && message.seq() <= last_seq
+    }
+
     /// Takes note of a recorded gap, which comes before the message that shows it.
     pub(crate) fn announce(&mut self, gap: &Gap) {
-        if !gap.topic.is_data() {
+        if gap.topic == Topic::HealthReports {
             let stream = self.health.values_mut().find(|stream| stream.session == gap.session);
             if let Some(stream) = stream.filter(|stream| stream.next_seq <= gap.last_seq) {
                 stream.announced += gap.count;

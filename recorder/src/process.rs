@@ -237,6 +237,10 @@ impl SiteRecorder {
     fn record(&mut self, message: RecordedRef<'_>) {
         let recorded_ns = monotonic_ns();
         self.ended |= message.topic() == Topic::Tracks && message.place().flags & END_OF_STREAM != 0;
+        // One that was started again is given the last actions once more.
+        if message.topic() == Topic::Actions && self.fold.has_taken(message) {
+            return;
+        }
         self.keep_up(); // before the message is counted
         let gap = self.fold.take(message, recorded_ns);
         let Some(recording) = &mut self.recording else {

@@ -68,9 +68,10 @@ impl Playback {
                 Some(message) => {
                     let topic = message.by_ref().topic();
                     self.passed |= topic == self.driving && scan(&message).is_some_and(|scan| scan < self.scans.0);
-                    if self.topics.contains(&topic)
-                        && scan(&message).is_some_and(|scan| (self.scans.0..self.scans.1).contains(&scan))
-                    {
+                    let within = scan(&message).is_some_and(|scan| (self.scans.0..self.scans.1).contains(&scan));
+                    // What operators did belongs to the tracks that are replayed, and to no scan.
+                    let of_tracks = topic == Topic::Actions && self.topics.contains(&Topic::Tracks);
+                    if self.topics.contains(&topic) && within || of_tracks {
                         return Ok(Some(message));
                     }
                 }

@@ -1,18 +1,21 @@
 //! The process `replay`: puts a recording back onto the services.
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::Context;
+use common::commands::{ASKED, Command, CommandsHeader};
 use common::config::ChainConfig;
 use common::ipc::{Publisher, Station};
 use common::message::{END_OF_STREAM, Stamps};
-use common::messages::{Dwells, Message, Plots, Tracks, Truth};
+use common::messages::{Actions, Commands, Dwells, Message, Plots, Tracks, Truth};
 use common::pace::Pace;
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
-use common::recording::Recorded;
+use common::recording::{Recorded, commands_of};
 use common::time::monotonic_ns;
-use common::topology::last_in_processing;
+use common::topic::Topic;
+use common::topology::{self, TRACKER, last_in_processing};
 
 use crate::replay::{Playback, lineage_again};
 
@@ -40,6 +43,9 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     let mut reporter = HealthReporter::new(&station, chain, session, refused)?;
     reporter.publish()?;
     ports.wait_for_consumers()?;
+    if topology::runs(chain, TRACKER) {
+        give_commands(&station, Path::new(&chain.replay.file), session)?;
+    }
 
     let mut pace = Pace::new(chain.run.speed);
     let (mut plots_out, mut tracks_out, mut dwells_taken, mut plots_taken) = (0, 0, 0, 0);
@@ -82,6 +88,11 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
                 ports.truth.send(header, targets, |header| header.source_out_ns = monotonic_ns())?;
                 continue;
             }
+            Recorded::Actions(header, actions) => {
+                header.session = session;
+                ports.actions.send(header, actions, |header| header.out_ns = monotonic_ns())?;
+                continue;
+            }
             _ => continue,
         };
         let health = &mut reporter.health;
@@ -106,12 +117,29 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     Err(BadInput(format!("{} holds no {} of these scans", chain.replay.file, driving.name())).into())
 }
 
+/// Asks the tracker at once for all that operators had done: it waits for the plots before which each was done.
+fn give_commands(station: &Station, file: &Path, session: u64) -> anyhow::Result<()> {
+    let commands = commands_of(file).map_err(|error| BadInput(error.to_string()))?;
+    if commands.is_empty() {
+        return Ok(());
+    }
+    let publisher = station.publisher::<Commands>(Commands::MOST)?;
+    for (seq, command) in commands.into_iter().enumerate() {
+        let header = CommandsHeader { seq: seq as u64, session, ..CommandsHeader::default() };
+        let asked = Command { outcome: ASKED, ..command };
+        publisher.publish(&header, &[asked], |header| header.out_ns = monotonic_ns()).context("publishing commands")?;
+    }
+    Ok(())
+}
+
 /// Publisher of a topic, if it is replayed.
 struct Port<M: Message>(Option<Publisher<M>>);
 
 impl<M: Message> Port<M> {
     fn new(station: &Station, chain: &ChainConfig, most: usize) -> anyhow::Result<Self> {
-        let wanted = chain.replay.topics.contains(&M::TOPIC);
+        // What operators did belongs to the tracks that are replayed.
+        let named = if M::TOPIC == Topic::Actions { Topic::Tracks } else { M::TOPIC };
+        let wanted = chain.replay.topics.contains(&named);
         Ok(Self(wanted.then(|| station.publisher(most)).transpose()?))
     }
 
@@ -135,6 +163,7 @@ struct Ports {
     plots: Port<Plots>,
     tracks: Port<Tracks>,
     truth: Port<Truth>,
+    actions: Port<Actions>,
 }
 
 impl Ports {
@@ -145,6 +174,7 @@ impl Ports {
             plots: Port::new(station, chain, Plots::MOST)?,
             tracks: Port::new(station, chain, Tracks::MOST)?,
             truth: Port::new(station, chain, Truth::MOST)?,
+            actions: Port::new(station, chain, Actions::MOST)?,
         })
     }
 
@@ -152,7 +182,8 @@ impl Ports {
         self.dwells.wait()?;
         self.plots.wait()?;
         self.tracks.wait()?;
-        self.truth.wait()
+        self.truth.wait()?;
+        self.actions.wait()
     }
 
     fn linger(&self) {

@@ -23,6 +23,10 @@ pub(crate) const TIMING_S: f64 = 0.02;
 /// A plot this far behind what has been processed may still be used, cells of azimuth: interpolation moves plots a little.
 pub(crate) const LATE_CELLS: f64 = 2.0;
 
+/// Turns in which a track that an operator has asked for must begin.
+pub(crate) const ACQUISITION_TURNS: u32 = 5;
+/// Cells in range and azimuth that its plots may lie beside the place asked for.
+pub(crate) const ACQUISITION_CELLS: f64 = 3.0;
 /// Existence below which two plots start no track.
 pub(crate) const LEAST_EXISTENCE: f64 = 1e-7;
 /// Shortest and longest time between two plots of successive turns, turns.

@@ -8,6 +8,7 @@
 //!              several histories (hypotheses, (T21)), several tracks (rivals, joint (J2), (J3), resolution (J1), (J4)),
 //!              false plots to expect (clutter_map)
 //! tracks       store, life (T18), amplitude (T19), (T20.5), initiation (T18)
+//! operator     zones, tracks to begin and to end; orders: when what was asked for is done
 //! tracker      all of it, one call per message
 //! ```
 //!
@@ -21,10 +22,13 @@ pub mod beam;
 mod constants;
 mod environment;
 pub mod filter;
+mod operator;
+pub mod orders;
 pub mod plots;
 pub mod process;
 pub mod replay;
 pub mod tracker;
 pub mod tracks;
+mod zones;
 
 pub use tracker::{Processed, Tracker};

@@ -9,6 +9,7 @@ use anyhow::Context;
 use clap::{Parser, Subcommand};
 use common::process::{BadInput, StageArgs};
 use common::recording::{self, jsonl::Writer};
+use tracker::orders::Orders;
 use tracker::replay::replay;
 use tracker::{Tracker, process};
 
@@ -55,9 +56,15 @@ fn replay_file(stage: &StageArgs, plots: &Path, tracks: &Path) -> anyhow::Result
     let config = stage.load()?;
     let mut tracker = Tracker::new(&config.tracker, 1)?;
     let messages = recording::open(plots).map_err(|error| BadInput(error.to_string()))?;
+    let mut orders = Orders::default();
+    let commands = recording::commands_of(plots).map_err(|error| BadInput(error.to_string()))?;
+    for command in commands {
+        orders.take(command);
+    }
     let file = File::create(tracks).map_err(|error| BadInput(format!("cannot write {}: {error}", tracks.display())))?;
     let mut out = Writer::new(BufWriter::with_capacity(1 << 20, file));
-    let summary = replay(messages, &mut tracker, &mut out).with_context(|| format!("replaying {}", plots.display()))?;
+    let summary =
+        replay(messages, &mut tracker, orders, &mut out).with_context(|| format!("replaying {}", plots.display()))?;
     out.finish().with_context(|| format!("writing {}", tracks.display()))?;
     writeln!(
         std::io::stdout(),

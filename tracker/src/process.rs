@@ -3,11 +3,12 @@
 use std::process::ExitCode;
 
 use anyhow::Context;
+use common::commands::{Command, CommandsHeader};
 use common::config::Source;
 use common::health::{Reject, Rejected};
-use common::ipc::{Flow, Station, Turn, attend};
+use common::ipc::{Domain, Flow, IpcError, Station, Subscriber, Turn, attend};
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, TRUNCATED};
-use common::messages::{Message, Plots, Tracks};
+use common::messages::{Actions, Commands, Message, Plots, Tracks};
 use common::plots::PlotsHeader;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
@@ -15,6 +16,8 @@ use common::time::monotonic_ns;
 use common::topic::Topic;
 use common::tracks::{MAX_TRACKS, Track, TracksHeader};
 
+use crate::orders::Orders;
+use crate::zones::ZonesFile;
 use crate::{Processed, Tracker};
 
 /// Name of the process.
@@ -30,8 +33,12 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let refused = realtime::apply(chain.realtime.of(NAME));
     let station = Station::enter(NAME, &chain)?;
     let publisher = station.publisher::<Tracks>(Tracks::MOST)?;
-    let wake = station.wake(Topic::Plots)?;
-    let plots = station.subscriber::<Plots>()?;
+    let actions = station.publisher::<Actions>(Actions::MOST)?;
+    let wakes = [station.wake(Topic::Plots)?, station.wake(Topic::Commands)?];
+    let (plots, commands) = (station.subscriber::<Plots>()?, station.subscriber::<Commands>()?);
+    let zones = ZonesFile::of(&Domain::root(&chain.ipc), &chain.site.name);
+    let mut orders = Orders::default();
+    zones.read().into_iter().for_each(|zone| orders.take(zone));
     let session = new_session();
     let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
     let mut rejected = Rejected::default();
@@ -39,12 +46,24 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let mut plots_of_scan = 0;
     let external = chain.run.source == Source::External;
 
-    attend(&[&wake], &reporter.watchdog(), || -> anyhow::Result<Flow> {
+    let tell = |header: &CommandsHeader, action: &Command| -> anyhow::Result<()> {
+        let published = actions.publish(header, &[*action], |header| {
+            (header.session, header.out_ns) = (session, monotonic_ns());
+        });
+        published.context("publishing actions")
+    };
+
+    attend(&wakes.each_ref(), &reporter.watchdog(), || -> anyhow::Result<Flow> {
         let turn = Turn::begin();
+        take_commands(&commands, &mut orders)?; // also while no plots come
         while !turn.is_over()
             && let Some(message) = plots.receive()?
         {
             let received_ns = monotonic_ns();
+            take_commands(&commands, &mut orders)?; // those that were sent before these plots
+            if orders.carry_out(&mut tracker, message.header(), tell)? {
+                zones.write(tracker.zones());
+            }
             let processed = tracker.process_plots(message.header(), message.elements(), &mut tracks);
             let mut header = header_of(message.header(), &processed, reporter.health.messages_out, received_ns);
             keep_what_fits(&mut tracks, &mut header);
@@ -53,6 +72,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
                 header.stamps.tracks_out_ns = monotonic_ns();
             });
             published.context("publishing tracks")?;
+            orders.follow_up(&mut tracker, message.header(), tell)?;
 
             rejected.add(&processed.rejected);
             rejected.count_many(Reject::Full, header.left_out.into());
@@ -85,6 +105,13 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     })?;
     publisher.linger();
     Ok(ExitCode::SUCCESS)
+}
+
+fn take_commands(commands: &Subscriber<Commands>, orders: &mut Orders) -> Result<(), IpcError> {
+    while let Some(message) = commands.receive()? {
+        message.elements().iter().for_each(|command| orders.take(*command));
+    }
+    Ok(())
 }
 
 /// Header of the tracks that the plots under `plots` have brought up to date, after

@@ -1,5 +1,6 @@
 //! Batch runs: recorded plots in, recorded tracks out, no shared memory.
 
+use std::convert::Infallible;
 use std::io::Write;
 
 use common::recording::jsonl::Writer;
@@ -7,6 +8,7 @@ use common::recording::{Recorded, RecordedRef, RecordingError};
 use common::time::monotonic_ns;
 use common::tracks::{Track, TracksHeader};
 
+use crate::orders::Orders;
 use crate::process::header_of;
 use crate::tracker::Tracker;
 
@@ -27,13 +29,15 @@ pub struct Summary {
     pub tracks: u64,
 }
 
-/// Runs all plots of `messages` through the tracker and writes its tracks; other topics are passed over.
+/// Runs all plots of `messages` through the tracker, with `orders` between them, and writes its tracks; other topics are
+/// passed over.
 ///
 /// # Errors
 /// A message cannot be read, or `out` fails.
 pub fn replay<W: Write>(
     messages: impl Iterator<Item = Result<Recorded, RecordingError>>,
     tracker: &mut Tracker,
+    mut orders: Orders,
     out: &mut Writer<W>,
 ) -> Result<Summary, RecordingError> {
     let mut summary = Summary::default();
@@ -42,6 +46,7 @@ pub fn replay<W: Write>(
     for message in messages {
         let Recorded::Plots(header, plots) = message? else { continue };
         let begin_ns = monotonic_ns();
+        let Ok(_) = orders.carry_out(tracker, &header, |_, _| Ok::<_, Infallible>(()));
         let processed = tracker.process_plots(&header, &plots, &mut tracks);
         summary.tracker_ns += monotonic_ns() - begin_ns;
         summary.plots += plots.len() as u64;

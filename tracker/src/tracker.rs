@@ -16,6 +16,7 @@ mod duplicates;
 mod forecast;
 mod updates;
 
+use common::commands::Command;
 use common::config::{ConfigError, TrackerConfig};
 use common::health::{FalseAlarms, Reject, Rejected};
 use common::message::{END_OF_SCAN, END_OF_STREAM};
@@ -28,6 +29,7 @@ use crate::beam::sweep::{Continuation, Sweep};
 use crate::constants::LATE_CELLS;
 use crate::environment::{self, Environment};
 use crate::filter::{Machine, layout_of};
+use crate::operator::Operator;
 use crate::plots::measurement::Measurement;
 use crate::plots::store::{Entry, PlotStore};
 use crate::tracks::handle::Handle;
@@ -66,6 +68,7 @@ pub struct Tracker {
     updates: Updates,
     forecast: Forecast,
     births: Births,
+    operator: Operator,
 }
 
 impl Tracker {
@@ -91,6 +94,7 @@ impl Tracker {
             updates: Updates::new(&layout, rules.inflation),
             forecast: Forecast::new(&layout),
             births: Births::new(&layout),
+            operator: Operator::default(),
         })
     }
 
@@ -125,6 +129,7 @@ impl Tracker {
                 self.environment = None;
             }
         }
+        self.end_dropped(tracks);
         // Out of the tracker, so that both can be borrowed side by side.
         let mut environment = match self.environment.take() {
             Some(environment) if environment.is_described_by(header) => environment,
@@ -145,9 +150,39 @@ impl Tracker {
         self.free_ended();
         if header.has(END_OF_SCAN) {
             environment.false_alarms.end_turn();
+            self.operator.end_turn();
         }
         self.environment = Some(environment);
         self.counted(processed)
+    }
+
+    /// Carries out what an operator asks, before the next plots; one of the outcomes of [`common::commands`].
+    pub fn carry_out(&mut self, command: &Command) -> u32 {
+        let place = self.tracks.alive().find(|&place| self.tracks[place].id == command.track_id);
+        self.operator.carry_out(command, place.map(|place| self.tracks.handle(place)))
+    }
+
+    /// The zones that an operator has drawn, each as the command that has set it.
+    pub fn zones(&self) -> &[Command] {
+        self.operator.zones()
+    }
+
+    /// What has become since the last call of commands that take their time.
+    pub fn take_told(&mut self) -> impl Iterator<Item = Command> + use<'_> {
+        self.operator.take_told()
+    }
+
+    /// Ends the tracks that an operator has dropped.
+    fn end_dropped(&mut self, messages: &mut Vec<Track>) {
+        while let Some(handle) = self.operator.dropped.pop() {
+            let (Some(place), Some(environment)) = (self.tracks.find(handle), self.environment.take()) else {
+                continue;
+            };
+            self.end(place);
+            self.forecast.tell(&environment, &self.tracks, place, messages);
+            self.environment = Some(environment);
+        }
+        self.free_ended();
     }
 
     /// Keeps a plot at the angle of the beam, or says why not.

@@ -17,13 +17,15 @@ pub struct DisplayConfig {
     pub listen: String,
     /// File with the token that viewers must show, its first line; empty for none, which is allowed on loopback only.
     pub token_file: String,
+    /// Whether viewers may act: acquire, drop and label tracks, draw zones.
+    pub control: bool,
     /// Viewers at once; further ones are told to come back later.
     pub clients: u32,
 }
 
 impl Default for DisplayConfig {
     fn default() -> Self {
-        Self { enabled: true, listen: "127.0.0.1:8080".into(), token_file: String::new(), clients: 64 }
+        Self { enabled: true, listen: "127.0.0.1:8080".into(), token_file: String::new(), control: false, clients: 64 }
     }
 }
 

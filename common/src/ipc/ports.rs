@@ -28,6 +28,8 @@ pub(super) trait Outlet<M: Message> {
 
     fn wait_for_consumers(&self) -> Result<(), IpcError>;
 
+    fn is_heard(&self) -> bool;
+
     fn linger(&self);
 }
 
@@ -90,6 +92,11 @@ impl<M: Message> Publisher<M> {
     /// [`IpcError::Stopped`] if the user asks to stop meanwhile.
     pub fn wait_for_consumers(&self) -> Result<(), IpcError> {
         self.0.wait_for_consumers()
+    }
+
+    /// Whether all required consumers are connected: then a message waits for none of them to come.
+    pub fn is_heard(&self) -> bool {
+        self.0.is_heard()
     }
 
     /// Stays until the required consumers have left, at most two seconds: what a publisher sends

@@ -247,6 +247,10 @@ impl<M: Message> Outlet<M> for PublisherPort<M> {
         Ok(())
     }
 
+    fn is_heard(&self) -> bool {
+        self.missing() == 0
+    }
+
     fn linger(&self) {
         let began = Instant::now();
         while self.required & self.present() != 0 && began.elapsed() < LONGEST_LINGER {

@@ -185,9 +185,13 @@ impl Station {
         Wake::new(&self.event(&self.topic_service(topic))?, topic)
     }
 
-    /// Health reports are never waited for, whatever the mode of the chain.
+    /// Health reports are never waited for, and commands always delivered, whatever the mode of the chain.
     fn policy<M: Message>(&self) -> Mode {
-        if M::TOPIC == Topic::HealthReports { Mode::RealTime } else { self.mode }
+        match M::TOPIC {
+            Topic::HealthReports => Mode::RealTime,
+            Topic::Commands => Mode::Lossless,
+            _ => self.mode,
+        }
     }
 
     /// Name of a service of the site.

@@ -3,6 +3,7 @@
 //! Two forms of the same messages: JSON lines for people and scripts ([`jsonl`]), and
 //! MCAP containers for everything else ([`container`]). [`open`] reads either.
 
+mod commands;
 pub mod container;
 mod gap;
 pub mod jsonl;
@@ -13,6 +14,7 @@ mod plain_plots;
 pub mod row;
 
 pub use crate::messages::{Recorded, RecordedRef};
+pub use commands::commands_of;
 pub use gap::{Gap, GapReason};
 pub use log_time::LogTime;
 pub use parts::{part_name, parts_from, parts_of, parts_of_run, run_and_part};

@@ -8,6 +8,7 @@
 //! Nothing here reads a clock, shared memory or a file.
 
 pub mod events;
+pub mod operated;
 pub mod place;
 pub mod site;
 pub mod video;
@@ -77,7 +78,10 @@ impl Picture {
                     texts.extend(self.take_health(health));
                 }
             }
-            RecordedRef::Dwells(..) => {}
+            RecordedRef::Actions(_, actions) => {
+                texts.extend(actions.iter().map(|action| of_site.operated.take(action)));
+            }
+            RecordedRef::Commands(..) | RecordedRef::Dwells(..) => {}
         }
         let (time_s, site) = (self.time_s(), self.sites[site].name.clone());
         let events = texts.into_iter().filter_map(|of| self.events.add(time_s, Some(&site), of));

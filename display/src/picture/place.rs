@@ -6,7 +6,10 @@ use common::tracks::{Track, pack};
 
 /// The way from the axes of a site into those of the picture.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Placement(Option<FrameChange>);
+pub struct Placement {
+    into_picture: Option<FrameChange>,
+    into_site: Option<FrameChange>,
+}
 
 impl Placement {
     /// That of each site. Sites whose place is not known are drawn about the same antenna.
@@ -14,20 +17,28 @@ impl Placement {
         let origin = sites.first().site.position;
         let of_site = |index: usize| {
             let own = sites.all()[index].site.position;
-            let change = origin.zip(own).filter(|_| index > 0).map(|(origin, own)| FrameChange::new(&own, &origin));
-            Self(change)
+            let places = origin.zip(own).filter(|_| index > 0);
+            Self {
+                into_picture: places.map(|(origin, own)| FrameChange::new(&own, &origin)),
+                into_site: places.map(|(origin, own)| FrameChange::new(&origin, &own)),
+            }
         };
         (0..sites.all().len()).map(of_site).collect()
     }
 
     /// A position, m.
     pub fn position_m(&self, position: [f64; 3]) -> [f64; 3] {
-        self.0.map_or(position, |change| change.position_m(position))
+        self.into_picture.map_or(position, |change| change.position_m(position))
+    }
+
+    /// A position in the picture, in axes of the site, m.
+    pub fn of_site_m(&self, position: [f64; 3]) -> [f64; 3] {
+        self.into_site.map_or(position, |change| change.position_m(position))
     }
 
     /// A velocity, or any other vector without a place.
     pub fn vector(&self, vector: [f64; 3]) -> [f64; 3] {
-        self.0.map_or(vector, |change| change.vector(vector))
+        self.into_picture.map_or(vector, |change| change.vector(vector))
     }
 
     /// Covariance of the position of a track, m².
@@ -38,7 +49,7 @@ impl Placement {
     /// A symmetric 3×3 matrix C of the site's axes as R C Rᵀ.
     pub fn turned(&self, element: impl Fn(usize, usize) -> f64) -> [[f64; 3]; 3] {
         let rows: [[f64; 3]; 3] = std::array::from_fn(|row| std::array::from_fn(|column| element(row, column)));
-        if self.0.is_none() {
+        if self.into_picture.is_none() {
             return rows;
         }
         let transposed = |of: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
@@ -70,6 +81,8 @@ mod tests {
             (x - 71_690.0).abs() < 20.0 && (y - 480.0).abs() < 20.0 && (-420.0..-380.0).contains(&z),
             "{x} {y} {z}"
         );
+        let [x, y, z] = places[1].of_site_m([x, y, z]);
+        assert!(x.abs() < 1e-6 && y.abs() < 1e-6 && z.abs() < 1e-6, "{x} {y} {z}: there and back");
         // A rotation keeps the trace, and turns an error along the vector with it.
         let along = places[1].vector([0.0, 2.0, 0.0]);
         let turned = places[1].turned(|row, column| if row == 1 && column == 1 { 4.0 } else { 0.0 });

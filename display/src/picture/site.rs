@@ -9,6 +9,7 @@ use common::tracks::{Models, TERMINATED, Track, TracksHeader, kind_name};
 use common::truth::{TruthHeader, TruthTarget};
 
 use super::events::{Happening, Kind};
+use super::operated::Operated;
 use super::place::Placement;
 
 /// Scans of plots that are kept: those that the updates of the last scan have used can be from the scan before.
@@ -35,6 +36,8 @@ pub struct SitePicture {
     pub system_tracks: Option<(SystemTracksHeader, Vec<SystemTrack>)>,
     /// Names of the models of motion of its tracks; empty before the first one.
     pub models: Vec<String>,
+    /// What operators have done.
+    pub operated: Operated,
     turns: Vec<Happening>,
 }
 
@@ -59,6 +62,7 @@ impl SitePicture {
             truth: None,
             system_tracks: None,
             models: Vec::new(),
+            operated: Operated::default(),
             turns: Vec::new(),
         }
     }
@@ -110,6 +114,8 @@ impl SitePicture {
                 !is_silent
             });
         }
+        let tracks = &self.tracks;
+        self.operated.keep_labels(|id| tracks.contains_key(&id));
         gone
     }
 

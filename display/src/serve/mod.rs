@@ -12,6 +12,7 @@ mod access;
 mod client;
 mod hub;
 mod live;
+mod operators;
 mod routes;
 mod server;
 
@@ -35,6 +36,7 @@ use crate::wire::SectorMessage;
 use crate::wire::columns::{Column, binary, json, text};
 use crate::wire::explain::TrackMessage;
 use crate::wire::hello::{Chain, Extent, Hello};
+use crate::wire::operator::OperatorMessage;
 use crate::wire::plots::{PLOTS, PlotRow, PlotsHead};
 use crate::wire::requests::{Encoding, Playback, Want};
 use crate::wire::tracks::{StampsUs, TRACKS, TrackRow, TracksHead};
@@ -44,6 +46,7 @@ pub use access::Access;
 use client::{Client, State};
 pub use hub::Counts;
 use hub::{Hub, Kind};
+use operators::Operators;
 pub use server::{bind, serve};
 
 /// Health is sent about so often.
@@ -61,6 +64,7 @@ pub struct Served {
     /// When health was sent last.
     told: Mutex<Option<Instant>>,
     recording: Option<(Extent, Player)>,
+    operators: Operators,
 }
 
 /// `health`: what the processes say.
@@ -85,7 +89,15 @@ impl Served {
     fn new(sites: &Sites, access: Access, recording: Option<(Extent, Player)>) -> Self {
         let hub = Hub::new(sites.first().display.clients as usize);
         let picture = Mutex::new(Picture::new(sites));
-        Self { sites: sites.clone(), access, hub, picture, told: Mutex::default(), recording }
+        Self {
+            sites: sites.clone(),
+            access,
+            hub,
+            picture,
+            told: Mutex::default(),
+            recording,
+            operators: Operators::default(),
+        }
     }
 
     /// The picture as it is.
@@ -108,6 +120,7 @@ impl Served {
     pub fn take(&self, site: usize, message: RecordedRef<'_>, taken_ns: u64) {
         let mut picture = self.picture();
         let models = picture.sites[site].models.len();
+        let labels = picture.sites[site].operated.labels.len();
         let news = picture.take(site, message, taken_ns);
         let (picture, of_site) = (&*picture, &picture.sites[site]);
         match message {
@@ -127,8 +140,14 @@ impl Served {
                         text(&SectorMessage::new(&of_site.name, header.scan, sector, sectors, picture.time_s()))
                     });
                 }
+                if of_site.operated.labels.len() != labels {
+                    self.hub.publish_text(Kind::All, || text(&OperatorMessage::new(of_site)));
+                }
                 if of_site.models.len() > models {
                     self.hub.publish_text(Kind::All, || self.hello(picture));
+                    for site in Self::operated(picture) {
+                        self.hub.publish_text(Kind::All, || text(&OperatorMessage::new(site)));
+                    }
                 }
                 let all = || tracks.iter().chain(&news.gone);
                 self.hub.publish(Kind::Tracks, |as_| tracks_message(as_, of_site, header, all(), taken_ns));
@@ -148,7 +167,8 @@ impl Served {
                 self.hub.publish(Kind::SystemTracks, |as_| table(as_, &head, &SYSTEM_TRACKS, &rows()));
             }
             RecordedRef::HealthReports(..) => self.tell_health(picture),
-            RecordedRef::Dwells(..) => {}
+            RecordedRef::Actions(..) => self.hub.publish_text(Kind::All, || text(&OperatorMessage::new(of_site))),
+            RecordedRef::Commands(..) | RecordedRef::Dwells(..) => {}
         }
         for event in &news.events {
             self.hub.publish_text(Kind::Events, || text(event));
@@ -184,13 +204,29 @@ impl Served {
     /// Gives a viewer that has just come what everybody is told first. The picture is locked before a viewer, everywhere.
     fn greet(&self, client: &Client) {
         let picture = self.picture();
-        client.with(|state| state.greet(Message::Text(self.hello(&picture).into())));
+        client.with(|state| {
+            state.greet(Message::Text(self.hello(&picture).into()));
+            Self::tell_operators(&picture, state);
+        });
     }
 
     /// Puts the whole picture into the queue of a viewer, after word that it begins anew.
     fn show_all(picture: &Picture, state: &mut State) {
         state.push_always(Message::Text(r#"{"type":"reset"}"#.into()));
+        Self::tell_operators(picture, state);
         Self::show(picture, state, &Want::default());
+    }
+
+    /// The sites at which operators have done something that is still there.
+    fn operated(picture: &Picture) -> impl Iterator<Item = &SitePicture> {
+        picture.sites.iter().filter(|site| !site.operated.zones.is_empty() || !site.operated.labels.is_empty())
+    }
+
+    /// Puts into the queue of a viewer what operators have done.
+    fn tell_operators(picture: &Picture, state: &mut State) {
+        for site in Self::operated(picture) {
+            state.push_always(Message::Text(text(&OperatorMessage::new(site)).into()));
+        }
     }
 
     /// Puts into the queue of a viewer what there is of all that it wants and did not want `before`.
@@ -241,7 +277,7 @@ impl Served {
     /// What there is to see.
     fn chain(&self, picture: &Picture) -> Chain {
         let extent = self.recording.as_ref().map(|(extent, _)| *extent);
-        Chain::new(&self.sites, picture, extent)
+        Chain { control: self.may_act(), ..Chain::new(&self.sites, picture, extent) }
     }
 
     fn tell_health(&self, picture: &Picture) {

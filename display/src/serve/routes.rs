@@ -3,16 +3,17 @@
 use std::sync::Arc;
 
 use axum::Router;
-use axum::body::Body;
-use axum::extract::rejection::QueryRejection;
-use axum::extract::{Path, Query, Request, State};
+use axum::body::{Body, Bytes};
+use axum::extract::rejection::{BytesRejection, QueryRejection};
+use axum::extract::{DefaultBodyLimit, Path, Query, Request, State};
 use axum::http::header::{CONTENT_TYPE, LOCATION, SET_COOKIE};
 use axum::http::{HeaderValue, Method, StatusCode};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
+use axum::routing::{delete, get, post};
 use common::status;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use super::access::HEADERS;
 use super::live::{live, no_such_site};
@@ -20,12 +21,19 @@ use super::{Served, explained};
 use crate::page;
 use crate::picture::site::SitePicture;
 use crate::wire::columns::{Column, Rows, text};
+use crate::wire::operator::{Acquisition, TrackLabel, Zone, drop_track};
 use crate::wire::plots::{PLOTS, PlotRow};
 use crate::wire::tracks::{TRACKS, TrackRow};
 use crate::wire::truth::{SYSTEM_TRACKS, SystemRow};
 
 /// The description of what programs can read.
 const OPENAPI: &str = include_str!("../../openapi.json");
+
+/// Longest content of a request, bytes: a zone takes less than 1,000.
+const LONGEST_BODY: usize = 16 << 10;
+
+/// What a request holds, if it is not too long.
+type Content = Result<Bytes, BytesRejection>;
 
 type Shared = State<Arc<Served>>;
 
@@ -37,8 +45,11 @@ pub(super) fn routes(served: Arc<Served>) -> Router {
         .route("/api/v1/openapi.json", get(async || as_json(OPENAPI.to_string())))
         .route("/api/v1/chain", get(chain))
         .route("/api/v1/status", get(status))
-        .route("/api/v1/sites/{site}/tracks", get(tracks))
-        .route("/api/v1/sites/{site}/tracks/{id}", get(track))
+        .route("/api/v1/sites/{site}/tracks", get(tracks).post(acquire))
+        .route("/api/v1/sites/{site}/tracks/{id}", get(track).delete(end_track))
+        .route("/api/v1/sites/{site}/tracks/{id}/label", post(label))
+        .route("/api/v1/sites/{site}/zones", get(zones).post(set_zone))
+        .route("/api/v1/sites/{site}/zones/{name}", delete(remove_zone))
         .route("/api/v1/sites/{site}/plots", get(plots))
         .route("/api/v1/system-tracks", get(system_tracks))
         .route("/api/v1/events", get(events))
@@ -47,8 +58,9 @@ pub(super) fn routes(served: Arc<Served>) -> Router {
             failure(StatusCode::NOT_FOUND, &format!("there is no `{}`", request.uri().path()))
         })
         .method_not_allowed_fallback(async |method: Method| {
-            failure(StatusCode::METHOD_NOT_ALLOWED, &format!("{method} found, expected GET"))
+            failure(StatusCode::METHOD_NOT_ALLOWED, &format!("{method} cannot be done here"))
         })
+        .layer(DefaultBodyLimit::max(LONGEST_BODY))
         .layer(from_fn_with_state(Arc::clone(&served), guard))
         .with_state(served)
 }
@@ -76,7 +88,7 @@ fn asset(name: &str) -> Response {
     }
 }
 
-fn as_json(text: String) -> Response {
+pub(super) fn as_json(text: String) -> Response {
     ([(CONTENT_TYPE, "application/json")], text).into_response()
 }
 
@@ -141,6 +153,42 @@ async fn track(State(served): Shared, Path((site, id)): Path<(String, String)>) 
     });
     let missing = || failure(StatusCode::NOT_FOUND, &format!("there is no living track `{id}` at `{site}`"));
     refused.unwrap_or_else(|| found.map_or_else(missing, as_json))
+}
+
+/// The content of a request.
+fn content<T: DeserializeOwned>(content: Content) -> Result<T, String> {
+    let bytes = content.map_err(|error| format!("{}, expected at most {LONGEST_BODY} bytes", error.body_text()))?;
+    serde_json::from_slice(&bytes).map_err(|error| error.to_string())
+}
+
+/// The number of a track, as paths have it.
+fn track_number(id: &str) -> Result<u64, String> {
+    id.parse().map_err(|_| format!("track `{id}` found, expected a number"))
+}
+
+async fn acquire(State(served): Shared, Path(site): Path<String>, body: Content) -> Response {
+    served.operate(&site, |place| content::<Acquisition>(body)?.command(place)).await
+}
+
+async fn end_track(State(served): Shared, Path((site, id)): Path<(String, String)>) -> Response {
+    served.operate(&site, |_| Ok(drop_track(track_number(&id)?))).await
+}
+
+async fn label(State(served): Shared, Path((site, id)): Path<(String, String)>, body: Content) -> Response {
+    served.operate(&site, |_| content::<TrackLabel>(body)?.command(track_number(&id)?)).await
+}
+
+async fn zones(State(served): Shared, Path(site): Path<String>) -> Response {
+    let mut zones = Vec::new();
+    of_site(&served, &site, |site| zones = Zone::all(site)).unwrap_or_else(|| as_json(text(&zones)))
+}
+
+async fn set_zone(State(served): Shared, Path(site): Path<String>, body: Content) -> Response {
+    served.operate(&site, |place| content::<Zone>(body)?.command(place)).await
+}
+
+async fn remove_zone(State(served): Shared, Path((site, name)): Path<(String, String)>) -> Response {
+    served.operate(&site, |_| Ok(Zone::removal(&name))).await
 }
 
 async fn plots(State(served): Shared, Path(site): Path<String>) -> Response {

@@ -43,7 +43,7 @@ pub struct Chain {
     pub program: &'static str,
     /// Where the picture comes from.
     pub mode: Mode,
-    /// Whether viewers may act: not in this version.
+    /// Whether viewers may act.
     pub control: bool,
     /// Where the first antenna stands (WGS-84), if that is known: the origin of the picture.
     pub origin: Option<Place>,

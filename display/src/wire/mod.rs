@@ -3,6 +3,7 @@
 pub mod columns;
 pub mod explain;
 pub mod hello;
+pub mod operator;
 pub mod plots;
 pub mod requests;
 pub mod tracks;

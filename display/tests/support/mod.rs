@@ -3,6 +3,7 @@
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -25,6 +26,19 @@ impl Answer {
     }
 }
 
+/// Where the picture of the chain with this folder is.
+pub(crate) fn address_in(root: &Path) -> SocketAddr {
+    let (file, began) = (root.join(display::process::ADDRESS_FILE), Instant::now());
+    loop {
+        let text = std::fs::read_to_string(&file).unwrap_or_default();
+        if let Some(address) = text.trim().strip_prefix("http://").and_then(|address| address.parse().ok()) {
+            return address;
+        }
+        assert!(began.elapsed() < PATIENCE, "no picture");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
 /// A connection with patience.
 pub(crate) fn connect(address: SocketAddr) -> TcpStream {
     let stream = TcpStream::connect(address).expect("a connection");
@@ -35,8 +49,18 @@ pub(crate) fn connect(address: SocketAddr) -> TcpStream {
 
 /// `GET path`, with more lines of the head.
 pub(crate) fn get_with(address: SocketAddr, path: &str, more: &str) -> Answer {
+    ask(address, "GET", path, more, "")
+}
+
+/// A request with a content.
+pub(crate) fn request(address: SocketAddr, method: &str, path: &str, content: &Value) -> Answer {
+    let content = if content.is_null() { String::new() } else { content.to_string() };
+    ask(address, method, path, &format!("content-length: {}\r\n", content.len()), &content)
+}
+
+fn ask(address: SocketAddr, method: &str, path: &str, more: &str, content: &str) -> Answer {
     let mut stream = connect(address);
-    let head = format!("GET {path} HTTP/1.1\r\nhost: {address}\r\nconnection: close\r\n{more}\r\n");
+    let head = format!("{method} {path} HTTP/1.1\r\nhost: {address}\r\nconnection: close\r\n{more}\r\n{content}");
     stream.write_all(head.as_bytes()).expect("a request");
     let mut bytes = Vec::new();
     stream.read_to_end(&mut bytes).expect("an answer");

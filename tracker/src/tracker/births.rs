@@ -12,9 +12,10 @@ use super::Tracker;
 use crate::association::clutter_map::OwnPlots;
 use crate::association::hypotheses::Hypotheses;
 use crate::beam::opportunity::{DetectionTime, Opportunity};
-use crate::constants::{EXPLAINED, LEAST_EXISTENCE, STEP_TURNS};
+use crate::constants::{ACQUISITION_CELLS, EXPLAINED, LEAST_EXISTENCE, STEP_TURNS};
 use crate::environment::Environment;
 use crate::filter::{Layout, Mixture, TwoPlots};
+use crate::operator::Beginning;
 use crate::plots::index::{PlotIndex, Window};
 use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
@@ -61,13 +62,25 @@ impl Tracker {
     /// A tentative track that ends at the stored plot `index`, the `nth` of those settled, if there is a plot of the turn before to begin it and
     /// it is more likely than the track of existence `owner` that has taken the plot.
     fn start(&mut self, index: usize, nth: usize, turn: u32, owner: f64, environment: &Environment) -> Option<Handle> {
+        let beginning = match &self.operator {
+            operator if operator.has_places() => {
+                operator.beginning_at(self.place_m(index), self.acquisition_reach_m(index, environment))
+            }
+            _ => Beginning::Usual,
+        };
+        if beginning == Beginning::Never {
+            return None;
+        }
         let (previous, step_s) = self.partner(index, nth, &environment.limits, &environment.radar)?;
         let (entry, last) = (*self.plots.entry(index), self.plots.measurement(index));
         let observed = 1.0 - self.plots.entry(previous).claimed;
         let previous = self.plots.measurement(previous);
         let mut own_plots = OwnPlots::default();
         environment.clutter.add_own(&mut own_plots, previous, observed);
-        let existence = environment.start_existence(previous, last, own_plots, step_s, turn, &self.config);
+        let mut existence = environment.start_existence(previous, last, own_plots, step_s, turn, &self.config);
+        if beginning == Beginning::AtOnce {
+            existence = existence.max(self.config.confirm_existence);
+        }
         if existence < LEAST_EXISTENCE || existence <= owner {
             return None;
         }
@@ -104,7 +117,10 @@ impl Tracker {
             searched_to_rad: angle_rad,
             next: here,
             last: here,
-            life: Life::start(existence, &self.config),
+            life: match beginning {
+                Beginning::AtOnce => Life::confirmed(existence),
+                _ => Life::start(existence, &self.config),
+            },
             amplitude,
             own_plots,
             last_scan: LastScan {
@@ -120,7 +136,24 @@ impl Tracker {
         let handle = tracks.add(track, state);
         let place = handle.place as usize;
         self.forecast.predict_one(environment, self.rules.alpha, tracks, place, time, &self.sweep);
+        if beginning == Beginning::AtOnce {
+            let reach_m = self.acquisition_reach_m(index, environment);
+            self.operator.begun(self.place_m(index), reach_m, id);
+        }
         Some(handle)
+    }
+
+    /// Where a stored plot is: east and north of the antenna, m.
+    fn place_m(&self, index: usize) -> [f64; 2] {
+        let [x, y, _] = self.plots.measurement(index).position;
+        [x, y]
+    }
+
+    /// How far from the place that an operator has named a plot of the target may lie: what it moves in a turn, and some cells.
+    fn acquisition_reach_m(&self, index: usize, environment: &Environment) -> f64 {
+        let [range_m, cells] = [self.plots.measurement(index).polar[0], ACQUISITION_CELLS];
+        let cell_m = environment.radar.cell[0].max(environment.radar.cell[1] * range_m);
+        environment.limits.speed_mps * self.sweep.period_s() + cells * cell_m
     }
 
     /// The best plot of the turn before for a start, and the time between the two.

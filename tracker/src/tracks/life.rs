@@ -39,6 +39,11 @@ impl Life {
         life
     }
 
+    /// Of a track of two plots that an operator has asked for.
+    pub fn confirmed(existence: f64) -> Self {
+        Self { state: CONFIRMED, existence: existence.min(SUREST), started_at: existence, age: 2, hits: 2, misses: 0 }
+    }
+
     /// Confirmed or coasting.
     pub fn is_confirmed(&self) -> bool {
         self.state == CONFIRMED || self.state == COASTING
