@@ -211,7 +211,9 @@ fn what_makes_no_sense_is_refused_and_nobody_acts_where_that_is_not_allowed() {
     let zone = |name: &str, count: u32| json!({"name": name, "kind": "exclusion", "polygon_m": corners(count)});
     refused("POST", ZONES, &zone("a", 2), 400, "2 corners found, expected 3 to 16");
     refused("POST", ZONES, &zone("a", 17), 400, "17 corners found, expected 3 to 16");
-    refused("POST", ZONES, &zone("", 3), 400, "no name");
+    refused("POST", ZONES, &zone("", 3), 400, "name `` found");
+    refused("POST", ZONES, &zone("..", 3), 400, "name `..` found");
+    refused("DELETE", &format!("{ZONES}/{}", "n".repeat(33)), &Value::Null, 400, "33 bytes");
     refused("POST", ZONES, &zone(&"n".repeat(33), 3), 400, "33 bytes");
     refused("POST", ZONES, &json!({"name": "a", "kind": "mined", "polygon_m": corners(3)}), 400, "mined");
     refused("POST", TRACKS, &json!({"x_m": 1.0}), 400, "y_m");

@@ -50,6 +50,9 @@ pub const ACQUIRED: u32 = 6;
 /// [`Command::outcome`] of [`ACQUIRE`], later: no track could begin there.
 pub const EXPIRED: u32 = 7;
 
+/// [`Command::outcome`] that the display gives where no tracker can be asked.
+pub const UNANSWERED: u32 = 8;
+
 /// Name of a [`Command::kind`].
 pub fn kind_name(kind: u32) -> &'static str {
     match kind {
@@ -74,6 +77,7 @@ pub fn outcome_name(outcome: u32) -> &'static str {
         REFUSED => "refused",
         ACQUIRED => "acquired",
         EXPIRED => "expired",
+        UNANSWERED => "unanswered",
         _ => "not_known",
     }
 }

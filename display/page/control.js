@@ -56,7 +56,7 @@ export class Control {
     if (this.mode === null) return false;
     if (this.mode === "acquire") {
       this.leave();
-      this.#post(this.#path("tracks"), { x_m: x, y_m: y }, "A track may begin there now, within five turns");
+      this.#post(this.#path("tracks", this.#siteAt([x, y])), { x_m: x, y_m: y }, "A track may begin there now, within five turns");
     } else if (this.scene.draft.length < MOST_CORNERS) {
       this.scene.draft.push([x, y]);
       this.#changed();
@@ -110,14 +110,16 @@ export class Control {
       return this.name.focus();
     }
     const zone = { kind: this.kind.value, name, polygon_m };
-    this.leave();
-    this.name.value = "";
-    return this.#post(this.#path("zones"), zone, `Zone ${name} set`);
+    return this.#post(this.#path("zones", this.#siteAt(polygon_m[0])), zone, `Zone ${name} set`).then((done) => {
+      if (!done) return; // the drawing is still there
+      this.leave();
+      this.name.value = "";
+    });
   }
 
   #drop() {
     const { track } = this.scene.selection;
-    if (track) this.#send("DELETE", this.#path(`tracks/${track.id}`, track.site), undefined, `Track ${track.id} asked to be dropped`);
+    if (track) this.#send("DELETE", this.#path(`tracks/${track.id}`, track.site), undefined, `Track ${track.id} dropped`);
   }
 
   #labelTrack() {
@@ -144,8 +146,13 @@ export class Control {
     return this.#send("DELETE", this.#path(`zones/${encodeURIComponent(name)}`, site), undefined, `Zone ${name} removed`);
   }
 
-  /** The site that commands go to: that of the chosen track, or the first. */
-  #path(rest, site = this.scene.selection.track?.site ?? this.sites[0].name) {
+  /** The site that a command for a place goes to: that of the nearest antenna. */
+  #siteAt([x, y]) {
+    const away = ({ origin_m: [east, north] }) => Math.hypot(x - east, y - north);
+    return this.sites.reduce((best, site) => (away(site) < away(best) ? site : best)).name;
+  }
+
+  #path(rest, site) {
     return `/api/v1/sites/${encodeURIComponent(site)}/${rest}`;
   }
 
@@ -161,8 +168,10 @@ export class Control {
       const content = await answer.json();
       if (!answer.ok) throw new Error(content.error ?? `the server answered ${answer.status}`);
       this.say(content.outcome === "accepted" ? `${done}.` : "Asked for: the tracker has not answered yet.");
+      return true;
     } catch (error) {
       this.say(`Not done: ${error.message}`);
+      return false;
     }
   }
 

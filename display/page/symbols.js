@@ -130,7 +130,7 @@ export class Symbols {
       outline(polygon_m, true, exclusion ? 1.6 : -1.6, colours.packed(exclusion ? "coasting" : "confirmed"));
     }
     outline(draft, false, 1.6, colours.packed("chosen"));
-    for (const [x, y] of draft) this.marks.mark(x, y, 0, 8, MARK.used, colours.packed("chosen"));
+    for (const [x, y] of draft) this.marks.mark(x, y, NaN, 8, MARK.used, colours.packed("chosen"));
   }
 
   #truth() {

@@ -8,6 +8,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
+use common::commands::Command;
 use common::config::{self, ChainConfig, Mode, RecorderConfig, ReplayConfig, RunConfig, Source};
 use common::message::{END_OF_STREAM, Lineage};
 use common::recording::container::Reader;
@@ -22,6 +23,7 @@ pub struct Playback {
     topics: Vec<Topic>,
     /// Scans from the first to the last one, which is left out.
     scans: (u32, u32),
+    sectors_per_scan: u64,
     /// The topic that drives the chain.
     driving: Topic,
     /// There were messages to drive the chain before these scans.
@@ -44,6 +46,7 @@ impl Playback {
             messages: None,
             topics: config.replay.topics.clone(),
             scans: (config.run.first_scan, last),
+            sectors_per_scan: config.sectors_per_scan().into(),
             driving: last_in_processing(&config.replay.topics),
             passed: false,
             ready: VecDeque::new(),
@@ -53,6 +56,13 @@ impl Playback {
     /// Whether the recording has been gone through, but for nothing: a replay that is started again after its last scan.
     pub(crate) fn has_passed(&self) -> bool {
         self.passed
+    }
+
+    /// Whether a message is an action before plots of these scans.
+    fn acts_within(&self, message: &Recorded) -> bool {
+        let Recorded::Actions(_, actions) = message else { return false };
+        let scan = |action: &Command| (action.before_seq / self.sectors_per_scan.max(1)) as u32;
+        actions.first().is_some_and(|action| (self.scans.0..self.scans.1).contains(&scan(action)))
     }
 
     /// The next message that was asked for, in the order of the recording.
@@ -70,8 +80,8 @@ impl Playback {
                     self.passed |= topic == self.driving && scan(&message).is_some_and(|scan| scan < self.scans.0);
                     let within = scan(&message).is_some_and(|scan| (self.scans.0..self.scans.1).contains(&scan));
                     // What operators did belongs to the tracks that are replayed, and to no scan.
-                    let of_tracks = topic == Topic::Actions && self.topics.contains(&Topic::Tracks);
-                    if self.topics.contains(&topic) && within || of_tracks {
+                    let acted = self.topics.contains(&Topic::Tracks) && self.acts_within(&message);
+                    if self.topics.contains(&topic) && within || acted {
                         return Ok(Some(message));
                     }
                 }

@@ -44,11 +44,11 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     reporter.publish()?;
     ports.wait_for_consumers()?;
     if topology::runs(chain, TRACKER) {
-        give_commands(&station, Path::new(&chain.replay.file), session)?;
+        give_commands(&station, chain, &mut reporter)?;
     }
 
     let mut pace = Pace::new(chain.run.speed);
-    let (mut plots_out, mut tracks_out, mut dwells_taken, mut plots_taken) = (0, 0, 0, 0);
+    let (mut plots_out, mut tracks_out, mut actions_out, mut dwells_taken, mut plots_taken) = (0, 0, 0, 0, 0);
     let driving = last_in_processing(&chain.replay.topics);
     for message in playback.by_ref() {
         let mut message = message.map_err(|error| BadInput(format!("{}: {error}", chain.replay.file)))?;
@@ -89,7 +89,9 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
                 continue;
             }
             Recorded::Actions(header, actions) => {
-                header.session = session;
+                // Those of a tracker that was started again had numbers from 0 on.
+                (header.session, header.seq) = (session, actions_out);
+                actions_out += 1;
                 ports.actions.send(header, actions, |header| header.out_ns = monotonic_ns())?;
                 continue;
             }
@@ -118,14 +120,21 @@ pub fn replay(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
 }
 
 /// Asks the tracker at once for all that operators had done: it waits for the plots before which each was done.
-fn give_commands(station: &Station, file: &Path, session: u64) -> anyhow::Result<()> {
-    let commands = commands_of(file).map_err(|error| BadInput(error.to_string()))?;
+fn give_commands(station: &Station, chain: &ChainConfig, reporter: &mut HealthReporter) -> anyhow::Result<()> {
+    let (file, mut told) = (Path::new(&chain.replay.file), Ok(()));
+    let commands = commands_of(file, chain.run.first_scan, chain.sectors_per_scan(), || {
+        if told.is_ok() && reporter.is_due() {
+            told = reporter.publish();
+        }
+    });
+    let commands = commands.map_err(|error| BadInput(error.to_string()))?;
+    told?;
     if commands.is_empty() {
         return Ok(());
     }
     let publisher = station.publisher::<Commands>(Commands::MOST)?;
     for (seq, command) in commands.into_iter().enumerate() {
-        let header = CommandsHeader { seq: seq as u64, session, ..CommandsHeader::default() };
+        let header = CommandsHeader { seq: seq as u64, session: reporter.health.session, ..CommandsHeader::default() };
         let asked = Command { outcome: ASKED, ..command };
         publisher.publish(&header, &[asked], |header| header.out_ns = monotonic_ns()).context("publishing commands")?;
     }

@@ -6,7 +6,7 @@
     venv/bin/python tests/judges/display_page.py http://127.0.0.1:8080 --shots shots
 
 Checks: tracks are confirmed in time; a click shows the panel of a track; the numbers of the view of the chain are those of
-`status`; every control is reached by Tab; axe finds nothing in day and night colours; the console is silent; nothing is asked
+`status`; every control is reached by Tab; where viewers may act, zones, labels and drops are answered; axe finds nothing in day and night colours; the console is silent; nothing is asked
 of another host. Measures frames a second and the latency to the screen. Prints one line of JSON; exit code 1 on a failure.
 """
 
@@ -164,6 +164,38 @@ def check_access(page, judge, what):
         judge.expect(False, f"axe, {what}: {found['id']} at {[node['target'] for node in found['nodes']][:3]}")
 
 
+def act(page, judge, shoot):
+    """Where the page offers it: draws a zone, labels the chosen track and drops it, and looks whether the page says what came of it."""
+    if page.locator("text=Acquire").is_hidden():
+        return
+
+    def says(text):
+        judge.expect(wait_until(page, f"document.getElementById('toast').textContent.includes({json.dumps(text)})", 8), f"not said: {text}")
+
+    page.keyboard.press("1")
+    plan = page.locator("#plan").bounding_box()
+    x, y = plan["x"] + plan["width"] / 4, plan["y"] + plan["height"] / 3
+    page.get_by_role("button", name="Zone", exact=True).click()
+    for dx, dy in ((0, 0), (90, 0), (90, 90)):
+        page.mouse.click(x + dx, y + dy)
+        page.wait_for_timeout(200)
+    page.get_by_label("Name of the zone").fill("hill")
+    page.get_by_role("button", name="Finish").click()
+    says("Zone hill set.")
+    page.keyboard.press("n")
+    page.get_by_label("Label of the track").fill("blue one")
+    page.get_by_role("button", name="Label", exact=True).click()
+    says("blue one")
+    judge.expect(wait_until(page, "document.getElementById('detail').textContent.includes('Track blue one')", 8), "no label")
+    shoot(page, "acting")
+    check_access(page, judge, "acting")
+    page.get_by_role("button", name="Drop", exact=True).click()
+    says(" dropped.")
+    page.get_by_role("button", name="Remove zone hill").click()
+    says("Zone hill removed.")
+    judge.figures["acted"] = True
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("url")
@@ -200,6 +232,7 @@ def main():
         check_access(page, judge, "picture, night")
         compare_status(page, judge, status)
         reach_by_keyboard(page, judge)
+        act(page, judge, shoot)
         page.keyboard.press("2")
         page.wait_for_timeout(1500)
         shoot(page, "chain-night")

@@ -57,7 +57,7 @@ fn replay_file(stage: &StageArgs, plots: &Path, tracks: &Path) -> anyhow::Result
     let mut tracker = Tracker::new(&config.tracker, 1)?;
     let messages = recording::open(plots).map_err(|error| BadInput(error.to_string()))?;
     let mut orders = Orders::default();
-    let commands = recording::commands_of(plots).map_err(|error| BadInput(error.to_string()))?;
+    let commands = recording::commands_of(plots, 0, 1, || {}).map_err(|error| BadInput(error.to_string()))?;
     for command in commands {
         orders.take(command);
     }

@@ -48,7 +48,7 @@ impl Operator {
                 self.acquisitions.push((*command, ACQUISITION_TURNS));
             }
             DROP | LABEL => {
-                let Some(track) = track else { return NO_SUCH_TRACK };
+                let Some(track) = track.filter(|track| !self.dropped.contains(track)) else { return NO_SUCH_TRACK };
                 self.dropped.extend((command.kind == DROP).then_some(track));
             }
             EXCLUSION_ZONE | ACQUISITION_ZONE if corners.len() >= 3 && !command.name.is_empty() => {

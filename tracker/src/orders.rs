@@ -1,8 +1,6 @@
 //! Commands of an operator between the plots: each is carried out before plots that the action then names, so that a replay of
 //! the actions acts in the same places.
 
-use std::collections::VecDeque;
-
 use common::commands::{Command, CommandsHeader};
 use common::plots::PlotsHeader;
 
@@ -11,18 +9,20 @@ use crate::Tracker;
 /// Commands whose plots have not come yet, in the order in which they came.
 #[derive(Debug, Default)]
 pub struct Orders {
-    waiting: VecDeque<Command>,
+    waiting: Vec<Command>,
     told: u64,
 }
 
 impl Orders {
-    /// A command that has come.
+    /// A command that has come; one that waits already, given again by a replay that was started again, is not taken twice.
     pub fn take(&mut self, command: Command) {
-        self.waiting.push_back(command);
+        let is_it = |other: &Command| (other.asked_ns, other.id) == (command.asked_ns, command.id);
+        if !self.waiting.iter().any(is_it) {
+            self.waiting.push(command);
+        }
     }
 
-    /// Carries out, before the plots under `plots` are processed, what is due, and gives `tell` each action; whether there was
-    /// anything.
+    /// Carries out, before the plots under `plots` are processed, what is due, and gives `tell` each action and the tracker.
     ///
     /// # Errors
     /// Those of `tell`.
@@ -30,18 +30,19 @@ impl Orders {
         &mut self,
         tracker: &mut Tracker,
         plots: &PlotsHeader,
-        mut tell: impl FnMut(&CommandsHeader, &Command) -> Result<(), E>,
-    ) -> Result<bool, E> {
-        let told = self.told;
-        while let Some(&command) = self.waiting.front()
-            && command.before_seq <= plots.seq
-        {
-            self.waiting.pop_front();
-            let outcome = tracker.carry_out(&command);
-            let action = Command { outcome, before_seq: plots.seq, ..command };
-            self.tell(plots, &action, &mut tell)?;
+        mut tell: impl FnMut(&CommandsHeader, &Command, &Tracker) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut next = 0;
+        while next < self.waiting.len() {
+            if self.waiting[next].before_seq > plots.seq {
+                next += 1;
+                continue;
+            }
+            let command = Command { before_seq: plots.seq, ..self.waiting.remove(next) };
+            let action = Command { outcome: tracker.carry_out(&command), ..command };
+            tell(&self.header(plots), &action, tracker)?;
         }
-        Ok(self.told > told)
+        Ok(())
     }
 
     /// Gives `tell` what has become, with the plots under `plots`, of commands that take their time.
@@ -54,17 +55,12 @@ impl Orders {
         plots: &PlotsHeader,
         mut tell: impl FnMut(&CommandsHeader, &Command) -> Result<(), E>,
     ) -> Result<(), E> {
-        tracker.take_told().try_for_each(|action| self.tell(plots, &action, &mut tell))
+        tracker.take_told().try_for_each(|action| tell(&self.header(plots), &action))
     }
 
-    fn tell<E>(
-        &mut self,
-        plots: &PlotsHeader,
-        action: &Command,
-        tell: &mut impl FnMut(&CommandsHeader, &Command) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let header = CommandsHeader { seq: self.told, time_ns: plots.time_ns, ..CommandsHeader::default() };
+    /// Header of the next action.
+    fn header(&mut self, plots: &PlotsHeader) -> CommandsHeader {
         self.told += 1;
-        tell(&header, action)
+        CommandsHeader { seq: self.told - 1, time_ns: plots.time_ns, ..CommandsHeader::default() }
     }
 }

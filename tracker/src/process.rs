@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use anyhow::Context;
-use common::commands::{Command, CommandsHeader};
+use common::commands::{ACCEPTED, Command, CommandsHeader, REMOVE_ZONE};
 use common::config::Source;
 use common::health::{Reject, Rejected};
 use common::ipc::{Domain, Flow, IpcError, Station, Subscriber, Turn, attend};
@@ -61,9 +61,12 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         {
             let received_ns = monotonic_ns();
             take_commands(&commands, &mut orders)?; // those that were sent before these plots
-            if orders.carry_out(&mut tracker, message.header(), tell)? {
-                zones.write(tracker.zones());
-            }
+            orders.carry_out(&mut tracker, message.header(), |header, action, tracker| {
+                if action.outcome == ACCEPTED && (action.sets_zone() || action.kind == REMOVE_ZONE) {
+                    zones.write(tracker.zones()); // before anybody believes in it
+                }
+                tell(header, action)
+            })?;
             let processed = tracker.process_plots(message.header(), message.elements(), &mut tracks);
             let mut header = header_of(message.header(), &processed, reporter.health.messages_out, received_ns);
             keep_what_fits(&mut tracks, &mut header);

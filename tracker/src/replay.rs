@@ -46,7 +46,7 @@ pub fn replay<W: Write>(
     for message in messages {
         let Recorded::Plots(header, plots) = message? else { continue };
         let begin_ns = monotonic_ns();
-        let Ok(_) = orders.carry_out(tracker, &header, |_, _| Ok::<_, Infallible>(()));
+        let Ok(()) = orders.carry_out(tracker, &header, |_, _, _| Ok::<_, Infallible>(()));
         let processed = tracker.process_plots(&header, &plots, &mut tracks);
         summary.tracker_ns += monotonic_ns() - begin_ns;
         summary.plots += plots.len() as u64;

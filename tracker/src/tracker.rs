@@ -175,12 +175,11 @@ impl Tracker {
     /// Ends the tracks that an operator has dropped.
     fn end_dropped(&mut self, messages: &mut Vec<Track>) {
         while let Some(handle) = self.operator.dropped.pop() {
-            let (Some(place), Some(environment)) = (self.tracks.find(handle), self.environment.take()) else {
-                continue;
-            };
+            let Some(place) = self.tracks.find(handle) else { continue };
             self.end(place);
-            self.forecast.tell(&environment, &self.tracks, place, messages);
-            self.environment = Some(environment);
+            if let Some(environment) = &self.environment {
+                self.forecast.tell(environment, &self.tracks, place, messages);
+            }
         }
         self.free_ended();
     }

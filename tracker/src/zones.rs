@@ -16,8 +16,11 @@ impl ZonesFile {
 
     /// The commands that set the zones of the tracker before; none where there was none.
     pub(crate) fn read(&self) -> Vec<Command> {
-        let text = std::fs::read(&self.0).unwrap_or_default();
-        let zones: Vec<Command> = serde_json::from_slice(&text).unwrap_or_default();
+        let Ok(text) = std::fs::read(&self.0) else { return Vec::new() };
+        let zones: Vec<Command> = serde_json::from_slice(&text).unwrap_or_else(|error| {
+            tracing::warn!("{}: {error}: the zones of the tracker before are lost", self.0.display());
+            Vec::new()
+        });
         zones.into_iter().map(|zone| Command { before_seq: 0, outcome: ASKED, ..zone }).collect()
     }
 

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use mcap::records::{Record, op};
 
-use super::{Recorded, RecordingError, open, parts_from};
-use crate::commands::{ACCEPTED, Command};
+use super::{Recorded, RecordingError, open, parts_from, parts_of_run};
+use crate::commands::{ACCEPTED, ACQUIRE, ACQUISITION_ZONE, Command, EXCLUSION_ZONE, REMOVE_ZONE};
 use crate::topic::Topic;
 
 /// Bytes of the footer: its record, its checksum and the magic at the end.
@@ -15,22 +15,41 @@ const FOOTER: usize = 9 + 20 + 8;
 /// No summary of ours is larger; a larger one is damage.
 const LONGEST_SUMMARY: u64 = 1 << 28;
 
-/// The commands that were carried out in a run, from this part of its recording on, in their order.
+/// The commands that were carried out in a run, in their order, as a replay from the scan `first_scan` of this part on has
+/// to give them; `meanwhile` is called often, for a recording with cells takes long.
 ///
-/// They are asked for before the replay begins: in the recording an action lies behind the plots that it acts before.
+/// They are asked for before the replay begins: in the recording an action lies behind the plots that it acts before. Where
+/// the replay does not begin with the run, of what was before only zones are left, and tracks have other numbers than those
+/// that were dropped and labelled.
 ///
 /// # Errors
 /// A part cannot be read.
-pub fn commands_of(path: &Path) -> Result<Vec<Command>, RecordingError> {
+pub fn commands_of(
+    path: &Path,
+    first_scan: u32,
+    sectors_per_scan: u32,
+    mut meanwhile: impl FnMut(),
+) -> Result<Vec<Command>, RecordingError> {
+    let (parts, later) = (parts_of_run(path), parts_from(path));
+    let is_whole = first_scan == 0 && parts.len() <= later.len();
+    let first_seq = u64::from(first_scan) * u64::from(sectors_per_scan);
+    let is_wanted = |action: &Command, is_earlier: bool| match action.kind {
+        EXCLUSION_ZONE | ACQUISITION_ZONE | REMOVE_ZONE => true,
+        ACQUIRE => !is_earlier && action.before_seq >= first_seq,
+        _ => is_whole,
+    };
     let mut commands = Vec::new();
-    for part in parts_from(path) {
+    for part in if parts.is_empty() { &later } else { &parts } {
         // Without an action, which is usual, nothing is unpacked.
-        if File::open(&part).and_then(|mut file| has_none(&mut file)).unwrap_or(false) {
+        if File::open(part).and_then(|mut file| has_none(&mut file)).unwrap_or(false) {
             continue;
         }
-        for message in open(&part)? {
+        let is_earlier = !later.contains(part);
+        for message in open(part)? {
+            meanwhile();
             if let Recorded::Actions(_, actions) = message? {
-                commands.extend(actions.into_iter().filter(|action| action.outcome == ACCEPTED));
+                let accepted = actions.into_iter().filter(|action| action.outcome == ACCEPTED);
+                commands.extend(accepted.filter(|action| is_wanted(action, is_earlier)));
             }
         }
     }
@@ -54,8 +73,8 @@ fn has_none(file: &mut (impl Read + Seek)) -> io::Result<bool> {
     file.read_exact(&mut summary)?;
     let (mut rest, mut channel, mut counts) = (&summary[..], None, None);
     while rest.len() > 9 {
-        let end = 9 + number(&rest[1..]) as usize;
-        let Some(body) = rest.get(9..end) else { return Ok(false) };
+        let end = usize::try_from(number(&rest[1..])).ok().and_then(|length| length.checked_add(9));
+        let Some((end, body)) = end.and_then(|end| Some((end, rest.get(9..end)?))) else { return Ok(false) };
         match mcap::parse_record(rest[0], body) {
             Ok(Record::Channel(found)) if found.topic.rsplit('/').next() == Some(Topic::Actions.name()) => {
                 channel = Some(found.id);
@@ -101,8 +120,10 @@ mod tests {
     #[test]
     fn what_was_carried_out_is_found() {
         let file = recording(&[ACCEPTED, NO_SUCH_TRACK, ASKED, ACCEPTED], 1.0);
-        let ids: Vec<u64> = commands_of(file.path()).expect("read").iter().map(|command| command.id).collect();
+        let ids: Vec<u64> =
+            commands_of(file.path(), 0, 1, || {}).expect("read").iter().map(|command| command.id).collect();
         assert_eq!(ids, [0, 3]);
+        assert!(commands_of(file.path(), 1, 8, || {}).expect("read").is_empty(), "their tracks have other numbers");
         assert!(!has_none(&mut File::open(file.path()).expect("open")).expect("read"));
     }
 
@@ -110,7 +131,7 @@ mod tests {
     fn a_summary_without_actions_is_believed_and_one_that_was_cut_is_not() {
         let none = recording(&[], 1.0);
         assert!(has_none(&mut File::open(none.path()).expect("open")).expect("read"));
-        assert!(commands_of(none.path()).expect("read").is_empty());
+        assert!(commands_of(none.path(), 0, 1, || {}).expect("read").is_empty());
         let cut = recording(&[ACCEPTED], 0.99);
         assert!(!has_none(&mut File::open(cut.path()).expect("open")).expect("read"));
     }

@@ -50,9 +50,9 @@ impl Operated {
         }
     }
 
-    /// Forgets the labels of tracks that are no more.
-    pub(super) fn keep_labels(&mut self, is_alive: impl Fn(u64) -> bool) {
-        self.labels.retain(|&id, _| is_alive(id));
+    /// Forgets the label of a track that has ended.
+    pub(super) fn forget_label(&mut self, id: u64) {
+        self.labels.remove(&id);
     }
 
     /// What has become of a command, once the tracker has said so.
@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(operated.labels, BTreeMap::from([(7, "blue".to_string())]));
         assert_eq!(operated.answer(&Command::new(LABEL, 1, 8)), Some(NO_SUCH_TRACK));
         assert_eq!(operated.answer(&Command::new(LABEL, 1, 9)), None);
-        operated.keep_labels(|_| false);
+        operated.forget_label(7);
         assert!(operated.labels.is_empty());
     }
 }

@@ -103,6 +103,7 @@ impl SitePicture {
                     );
                 }
                 self.tracks.remove(&track.id);
+                self.operated.forget_label(track.id);
             } else {
                 self.tracks.insert(track.id, Tracked { track: *track, scan: header.scan });
             }
@@ -114,8 +115,9 @@ impl SitePicture {
                 !is_silent
             });
         }
-        let tracks = &self.tracks;
-        self.operated.keep_labels(|id| tracks.contains_key(&id));
+        for track in &gone {
+            self.operated.forget_label(track.id);
+        }
         gone
     }
 

@@ -145,7 +145,7 @@ impl Served {
                 }
                 if of_site.models.len() > models {
                     self.hub.publish_text(Kind::All, || self.hello(picture));
-                    for site in Self::operated(picture) {
+                    for site in &picture.sites {
                         self.hub.publish_text(Kind::All, || text(&OperatorMessage::new(site)));
                     }
                 }
@@ -217,14 +217,9 @@ impl Served {
         Self::show(picture, state, &Want::default());
     }
 
-    /// The sites at which operators have done something that is still there.
-    fn operated(picture: &Picture) -> impl Iterator<Item = &SitePicture> {
-        picture.sites.iter().filter(|site| !site.operated.zones.is_empty() || !site.operated.labels.is_empty())
-    }
-
     /// Puts into the queue of a viewer what operators have done.
     fn tell_operators(picture: &Picture, state: &mut State) {
-        for site in Self::operated(picture) {
+        for site in &picture.sites {
             state.push_always(Message::Text(text(&OperatorMessage::new(site)).into()));
         }
     }

@@ -7,7 +7,12 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use common::commands::{ACCEPTED, ASKED, Command, NO_SUCH_TRACK, NO_SUCH_ZONE, TOO_MANY, kind_name, outcome_name};
+use common::commands::{
+    ACCEPTED, ASKED, Command, CommandsHeader, NO_SUCH_TRACK, NO_SUCH_ZONE, TOO_MANY, UNANSWERED, kind_name,
+    outcome_name,
+};
+use common::messages::RecordedRef;
+use common::time::monotonic_ns;
 use common::topology::{TRACKER, runs};
 use tokio::time::{Instant, sleep};
 
@@ -66,6 +71,16 @@ impl Served {
         self.operators.next()
     }
 
+    /// Whether the tracker of a site has answered a command.
+    pub(crate) fn has_answered(&self, site: usize, command: &Command) -> bool {
+        self.picture().sites[site].operated.answer(command).is_some()
+    }
+
+    /// Answers a command in the place of a tracker that is not there.
+    pub(crate) fn answer(&self, site: usize, command: &Command) {
+        self.take(site, RecordedRef::Actions(&CommandsHeader::default(), &[*command]), monotonic_ns());
+    }
+
     /// Gives the tracker of a site a command, waits for its answer and says what that is.
     pub(super) async fn operate(
         &self,
@@ -107,12 +122,14 @@ fn answered(outcome: u32, asked: &Command) -> Response {
         ACCEPTED => return as_json(text(&Answer { outcome: outcome_name(outcome) })),
         NO_SUCH_TRACK | NO_SUCH_ZONE => StatusCode::NOT_FOUND,
         TOO_MANY => StatusCode::CONFLICT,
+        UNANSWERED => StatusCode::SERVICE_UNAVAILABLE,
         _ => StatusCode::BAD_REQUEST,
     };
     let what = match outcome {
         NO_SUCH_TRACK => format!("the tracker has no track {}", asked.track_id),
         NO_SUCH_ZONE => format!("the tracker has no zone `{}`", asked.name),
         TOO_MANY => "the tracker has as many zones or acquisitions as it can have".into(),
+        UNANSWERED => "the tracker is not there, or has too much before it".into(),
         _ => format!("the tracker refuses this: {}", kind_name(asked.kind)),
     };
     failure(status, &what)

@@ -188,7 +188,7 @@ async fn set_zone(State(served): Shared, Path(site): Path<String>, body: Content
 }
 
 async fn remove_zone(State(served): Shared, Path((site, name)): Path<(String, String)>) -> Response {
-    served.operate(&site, |_| Ok(Zone::removal(&name))).await
+    served.operate(&site, |_| Zone::removal(&name)).await
 }
 
 async fn plots(State(served): Shared, Path(site): Path<String>) -> Response {

@@ -64,7 +64,12 @@ pub fn run(files: &[PathBuf], listen: Option<&str>) -> anyhow::Result<ExitCode> 
     serve(listener, served)?;
     tell(&format!("picture: http://{address}, {:.0} s of {}", to_s - from_s, sites.names().join(", ")));
     let finder = thread::Builder::new().name("events".into());
-    finder.spawn(move || orders.send(Order::Events(events(&sites, &tapes)))).context("looking for events")?;
+    finder
+        .spawn(move || {
+            let (events, actions) = events(&sites, &tapes);
+            orders.send(Order::Events(events, actions))
+        })
+        .context("looking for events")?;
     while !stop_requested() {
         thread::sleep(SLEEP);
     }
@@ -79,15 +84,18 @@ pub(crate) fn sites_and_extent(tapes: &[Tape]) -> anyhow::Result<(Sites, (u64, u
     Ok((sites, extent.ok_or_else(|| BadInput("the recording holds no messages".into()))?))
 }
 
-/// All that has happened in the recordings.
-fn events(sites: &Sites, tapes: &[Tape]) -> EventLog {
-    let mut picture = Picture::new(sites);
+/// All that has happened in the recordings, and what operators have done, site by site.
+fn events(sites: &Sites, tapes: &[Tape]) -> (EventLog, Vec<(usize, Recorded)>) {
+    let (mut picture, mut actions) = (Picture::new(sites), Vec::new());
     picture.events = EventLog::of_recording();
     let mut deck = Deck::from(tapes, 0);
     while let Some((site, message)) = deck.next_until(u64::MAX) {
         if !matches!(message, Recorded::Dwells(..)) {
             picture.take(site, message.by_ref(), 0);
         }
+        if let Recorded::Actions(..) = message {
+            actions.push((site, message));
+        }
     }
-    picture.events.whole()
+    (picture.events.whole(), actions)
 }

@@ -35,8 +35,8 @@ const SPEEDS: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 pub(super) enum Order {
     /// By a viewer.
     Viewer(Playback),
-    /// All events of the recording are known.
-    Events(EventLog),
+    /// All events of the recording are known, and what operators have done, site by site.
+    Events(EventLog, Vec<(usize, Recorded)>),
 }
 
 /// `time`: where the recording stands.
@@ -61,6 +61,7 @@ pub(super) struct Player {
     /// When playing began and where, unless it stands still.
     since: Option<(Instant, u64)>,
     events: Option<EventLog>,
+    actions: Vec<(usize, Recorded)>,
 }
 
 impl Player {
@@ -80,6 +81,7 @@ impl Player {
             rate: 1.0,
             since: None,
             events: None,
+            actions: Vec::new(),
         }
     }
 
@@ -113,8 +115,9 @@ impl Player {
     fn obey(&mut self, order: Order) {
         let moved = matches!(order, Order::Viewer(Playback::Seek(_) | Playback::Step(..)));
         match order {
-            Order::Events(events) => {
+            Order::Events(events, actions) => {
                 self.served.know_events(&events);
+                self.actions = actions;
                 self.events = Some(events);
             }
             Order::Viewer(Playback::Play(rate)) => {
@@ -150,6 +153,10 @@ impl Player {
         let mut picture = Picture::new(&self.sites);
         if let Some(events) = &self.events {
             picture.events = events.clone();
+        }
+        // Zones and labels last.
+        for (site, action) in self.actions.iter().filter(|(_, action)| action.by_ref().time_ns() < from_ns) {
+            picture.take(*site, action.by_ref(), 0);
         }
         while let Some((site, message)) = self.deck.next_until(time_ns) {
             // A chunk begins before the time that it was chosen for.

@@ -99,8 +99,8 @@ impl Zone {
             return Err(format!("{corners} corners found, expected 3 to {MAX_CORNERS}"));
         }
         let name = named(&self.name)?;
-        if name.is_empty() {
-            return Err("no name found, expected one of at most 32 bytes".into());
+        if ["", ".", ".."].contains(&name.as_str()) {
+            return Err(format!("name `{name}` found, expected one that an address can have, of at most 32 bytes"));
         }
         let corners: Vec<_> = self.polygon_m.iter().map(|&corner| of_site(place, corner)).collect();
         let kind = match self.kind {
@@ -111,8 +111,8 @@ impl Zone {
     }
 
     /// The command that removes the zone of this name.
-    pub(crate) fn removal(name: &str) -> Command {
-        Command { name: Label::new(name), kind: REMOVE_ZONE, ..Command::default() }
+    pub(crate) fn removal(name: &str) -> Result<Command, String> {
+        Ok(Command { name: named(name)?, kind: REMOVE_ZONE, ..Command::default() })
     }
 }
 
