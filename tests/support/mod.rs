@@ -7,8 +7,8 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use common::recording::container;
-use common::report::Report;
+use common::recording;
+use common::report::{ChainReport, Report};
 use recorder::diff::first_difference;
 use serde_json::Value;
 
@@ -141,7 +141,11 @@ impl Bench {
 
     pub(crate) fn report_at(&self, name: &str) -> Report {
         let text = std::fs::read_to_string(self.path(name)).expect("a report");
-        serde_json::from_str(&text).expect("a report of schema 1")
+        // Read in the crate of the report: each test would compile that anew.
+        let Some(ChainReport::One(report)) = ChainReport::from_json(&text) else {
+            panic!("a report of one site: {text}")
+        };
+        *report
     }
 
     /// Recordings made, in the order of their names.
@@ -220,10 +224,7 @@ impl Drop for Running {
 
 /// The first difference between the recordings of two runs, but for stamps and sessions.
 pub(crate) fn difference(a: &Bench, b: &Bench) -> Option<String> {
-    let messages = |bench: &Bench| {
-        let file = std::fs::File::open(bench.recordings().remove(0)).expect("a recording");
-        container::Reader::new(std::io::BufReader::new(file))
-    };
+    let messages = |bench: &Bench| recording::open(&bench.recordings().remove(0)).expect("a recording");
     first_difference(messages(a), messages(b)).expect("whole recordings")
 }
 
