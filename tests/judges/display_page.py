@@ -166,7 +166,7 @@ def check_access(page, judge, what):
 
 def act(page, judge, shoot):
     """Where the page offers it: draws a zone, labels the chosen track and drops it, and looks whether the page says what came of it."""
-    if page.locator("text=Acquire").is_hidden():
+    if page.get_by_role("button", name="Acquire", exact=True).is_hidden():
         return
 
     def says(text):
