@@ -1,6 +1,6 @@
 //! `radar-chain`: launches, supervises and shows a radar processing chain.
 
-mod asterix_dump;
+mod asterix_data;
 mod checks;
 mod claim;
 mod dispatch;
@@ -42,6 +42,7 @@ const DEFAULT_CONFIG: &str = "config/uav.toml";
 ///   radar-chain config --explain                         every key with its value and meaning
 ///   radar-chain recorder info recordings/FILE.mcap       what is in a recording
 ///   radar-chain asterix dump radar.pcap                  ASTERIX records as JSON lines
+///   radar-chain asterix play radar.ast udp://[::1]:8600  a recording onto the network
 #[derive(Parser)]
 #[command(name = "radar-chain", version, verbatim_doc_comment, args_conflicts_with_subcommands = true)]
 struct Arguments {
@@ -189,10 +190,10 @@ enum Command {
         #[command(subcommand)]
         command: recorder::command_line::Command,
     },
-    /// Look into ASTERIX data
+    /// Look into ASTERIX data, and play recordings of it
     Asterix {
         #[command(subcommand)]
-        command: asterix_dump::Command,
+        command: asterix_data::Command,
     },
     /// Run one end of the bare hop with which a soak compares the chain's hops
     #[command(hide = true)]

@@ -238,6 +238,111 @@ fn a_dump_of_the_network_ends_with_a_signal() {
     assert_eq!(status.code(), Some(1), "after {rest} more records");
 }
 
+fn sample(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("plot-source/tests/data").join(name)
+}
+
+/// A capture of UDP packets, one for each block of a recording.
+fn capture(recording: &[u8]) -> Vec<u8> {
+    let mut bytes = vec![0xd4, 0xc3, 0xb2, 0xa1, 2, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 1, 0, 0, 0];
+    let mut rest = recording;
+    while let [_, high, low, ..] = *rest {
+        let (block, after) = rest.split_at(usize::from(high) << 8 | usize::from(low));
+        let length = |headers: usize| (block.len() + headers) as u16;
+        bytes.extend([0; 8]); // when: not used where the records say it
+        bytes.extend([u32::from(length(42)).to_le_bytes(); 2].concat());
+        bytes.extend([[2; 12].as_slice(), &[8, 0, 0x45, 0]].concat());
+        bytes.extend(
+            [&length(28).to_be_bytes(), [0, 0, 0, 0, 8, 17, 0, 0, 10, 0, 0, 1, 10, 0, 0, 2].as_slice()].concat(),
+        );
+        bytes.extend([&[0x9c, 0x40, 0x21, 0xdc], length(8).to_be_bytes().as_slice(), &[0, 0], block].concat());
+        rest = after;
+    }
+    bytes
+}
+
+/// A surface radar and the cooperative sensor that scores it, from files, from captures and over the network, give one score.
+#[test]
+fn a_recorded_pair_gives_one_score_by_every_way() {
+    let pair = ["lebl-smr-30s.ast", "lebl-mlat-30s.ast"].map(sample);
+    let score = |bench: &Bench| {
+        let tracking = bench.report().tracking;
+        let scored = (tracking.truth_points, tracking.id_changes, tracking.false_tracks, tracking.distance_p50_m);
+        (scored, tracking.truth_share.expect("a share"))
+    };
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/smr.toml");
+    let run = |files: &[PathBuf; 2]| {
+        let bench = Bench::new();
+        let [radar, truth] = files.each_ref().map(|file| file.display().to_string());
+        let keys = [format!("plot_source.file={radar}"), format!("plot_source.truth={truth}")];
+        let ended = bench.start_config(&config, &["--set", &keys[0], "--set", &keys[1]]).end();
+        assert!(ended.status.success(), "{}", text_of(&ended));
+        score(&bench)
+    };
+    let from_files = run(&pair);
+    let bench = Bench::new();
+    let captures = ["radar.pcap", "truth.pcap"].map(|name| bench.path(name));
+    for (file, into) in pair.iter().zip(&captures) {
+        std::fs::write(into, capture(&std::fs::read(file).expect("a recording"))).expect("a capture");
+    }
+    assert_eq!(run(&captures), from_files);
+
+    let ports = [(); 2].map(|()| format!("udp://127.0.0.1:{}", free_port()));
+    let keys = [
+        format!("plot_source.listen=[{:?}]", ports[0]),
+        format!("plot_source.truth={}", ports[1]),
+        "run.speed=10.0".into(),
+    ];
+    let set: Vec<&str> = keys.iter().flat_map(|key| ["--set", key]).collect();
+    let listening = bench.start_config(&config, &set);
+    bench.wait_for("the radar", |status| support::number(status, "plot-source", "pid"));
+    let mut play = Command::new(env!("CARGO_BIN_EXE_radar-chain"));
+    play.args(["asterix", "play", "--speed", "10"]);
+    for (file, port) in captures.iter().zip(&ports) {
+        play.arg(file).arg(port);
+    }
+    let played = output(&mut play);
+    let heard = listening.stop();
+    assert!(played.status.success() && heard.status.success(), "{}{}", text_of(&played), text_of(&heard));
+    // It takes the radar three turns until it is known, and the last turn has no end: what lies between is the same.
+    let report = bench.report();
+    let detected = report.detection.plots;
+    assert!((70..=87).contains(&detected), "{detected} of 87 plots\n{}", text_of(&heard));
+    let (network, share) = score(&bench);
+    assert_eq!((network.1, network.2), (from_files.0.1, from_files.0.2));
+    assert!((share - from_files.1).abs() < 0.1, "{share}, from files {}", from_files.1);
+}
+
+/// What cannot be played is one line.
+#[test]
+fn what_cannot_be_played_is_one_line() {
+    let bench = Bench::new();
+    let (text, timeless) = (bench.path("notes.txt"), bench.path("timeless.ast"));
+    std::fs::write(&text, "no radar\n").expect("a file");
+    // A start-of-cycle message without its time.
+    std::fs::write(&timeless, [10, 0, 8, 0xc0, 0, 7, 2, 0]).expect("a file");
+    let play = |arguments: &[&Path]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_radar-chain"));
+        output(command.args(["asterix", "play"]).args(arguments))
+    };
+    let radar = sample("lebl-smr-30s.ast");
+    let here = Path::new("udp://127.0.0.1:9");
+    for (arguments, expected) in [
+        (&[&*radar, here, &radar][..], "expected udp://ADDRESS:PORT"),
+        (&[&radar, Path::new("tcp://127.0.0.1:9")], "expected udp://ADDRESS:PORT"),
+        (&[&text, here], "is not an ASTERIX recording: it is a text file"),
+        (&[&bench.path("absent.ast"), here], "cannot read"),
+        (&[&timeless, here], "expected --speed max"),
+        (&[&radar, Path::new("udp://239.1.1.1:9?interface=absent0")], "no interface `absent0`"),
+    ] {
+        let ended = play(arguments);
+        let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+        assert_eq!(ended.status.code(), Some(2), "{}", text_of(&ended));
+        assert!(said.lines().count() == 1 && said.contains(expected), "{said}");
+    }
+    assert!(play(&[&timeless, here, Path::new("--speed"), Path::new("max")]).status.success());
+}
+
 /// Whoever reads the records may have seen enough.
 #[test]
 fn a_reader_may_leave() {

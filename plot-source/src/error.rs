@@ -27,6 +27,12 @@ pub enum SourceError {
         /// What was named.
         name: String,
     },
+    /// A recording is to be scored by a sensor on a network.
+    #[error("key `plot_source.truth` is `{name}`, expected the name of a file as for `plot_source.file`")]
+    TruthNotAFile {
+        /// What was named.
+        name: String,
+    },
     /// There is not one readable record in the file.
     #[error("{} is not an ASTERIX recording with category 001, 010 or 048: {found}", path.display())]
     NotAsterix {

@@ -1,4 +1,4 @@
-//! The process that listens to a radar: receives datagrams, and closes sectors in time.
+//! The process that listens to a radar, and to a cooperative sensor: receives datagrams, and closes sectors in time.
 
 use std::io::{self, ErrorKind};
 use std::net::UdpSocket;
@@ -9,13 +9,16 @@ use anyhow::Context;
 use common::config::ChainConfig;
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::pace::Speed;
+use common::plots::PlotsHeader;
 use common::process::{BadInput, say, stop_requested, tell};
+use common::truth::TruthHeader;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::live::{Closed, LiveRadar, Trouble};
 use crate::network::{Endpoint, LARGEST_DATAGRAM};
 use crate::process::Outlet;
 use crate::source::{is_other_turn, taken_for_the_sites};
+use crate::truth::LiveTruth;
 
 /// How long the process sleeps at most: signals are obeyed and health is reported meanwhile.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
@@ -31,8 +34,18 @@ pub(crate) fn run(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
             BadInput("keys `plot_source.file` and `plot_source.listen` are both set, expected one".into()).into()
         );
     }
-    let mut radar = LiveRadar::new(chain).map_err(|error| BadInput(format!("key `plot_source.editions`: {error}")))?;
-    let sockets = open(&chain.plot_source.listen)?;
+    let of_editions = |error| BadInput(format!("key `plot_source.editions`: {error}"));
+    let mut radar = LiveRadar::new(chain).map_err(of_editions)?;
+    let mut truth = LiveTruth::new(&chain.plot_source).map_err(of_editions)?;
+    let mut sockets = Vec::new();
+    for name in &chain.plot_source.listen {
+        sockets.push(open("plot_source.listen", name)?);
+    }
+    let radar_lines = sockets.len();
+    let has_truth = !chain.plot_source.truth.is_empty();
+    if has_truth {
+        sockets.push(open("plot_source.truth", &chain.plot_source.truth)?);
+    }
     let mut outlet = Outlet::open(chain)?;
     outlet.begin()?;
     let clock = Clock::start(chain.run.speed);
@@ -40,19 +53,41 @@ pub(crate) fn run(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     let (mut ears, mut closed, mut told) = (Ears::new(sockets), Closed::new(), Told::default());
     loop {
         ears.sleep(radar.due_ns().map(|due_ns| clock.until(due_ns)))?;
-        ears.hear(|datagram| radar.take(datagram, clock.now_ns()))?;
+        ears.hear(|line, datagram| {
+            let now_ns = clock.now_ns();
+            if line < radar_lines {
+                radar.take(datagram, now_ns);
+            } else {
+                truth.take(datagram, now_ns, |time| radar.set_time_ns(time, now_ns));
+            }
+        })?;
         radar.close_due(clock.now_ns(), &mut closed);
         told.tell_news(&radar, chain);
         let is_last = stop_requested();
         if is_last && closed.is_empty() {
             radar.close_last(&mut closed);
         }
-        outlet.reporter.health.set_rejected(radar.rejected());
+        let mut rejected = *radar.rejected();
+        rejected.add(truth.rejected());
+        outlet.reporter.health.set_rejected(&rejected);
         let count = closed.len();
         for (index, (mut header, plots)) in closed.drain(..).enumerate() {
             let ends = header.scan >= last_scan && header.flags & END_OF_SCAN != 0;
             if ends || (is_last && index + 1 == count) {
                 header.flags |= END_OF_STREAM;
+            }
+            let ended = header.flags & (END_OF_SCAN | END_OF_STREAM);
+            if has_truth && ended != 0 {
+                let PlotsHeader { scan, time_ns, scan_period_s, .. } = header;
+                let of_scan = TruthHeader {
+                    seq: scan.into(),
+                    time_ns,
+                    scan_period_s,
+                    scan,
+                    flags: ended,
+                    ..TruthHeader::default()
+                };
+                outlet.publish_truth(of_scan, &truth.until(time_ns))?;
             }
             outlet.publish(header, &plots)?;
             if header.flags & END_OF_STREAM != 0 {
@@ -72,15 +107,11 @@ pub(crate) fn run(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     }
 }
 
-fn open(names: &[String]) -> anyhow::Result<Vec<(Endpoint, UdpSocket)>> {
-    let open_one = |name: &String| {
-        let endpoint: Endpoint =
-            name.parse().map_err(|error| BadInput(format!("key `plot_source.listen`: {error}")))?;
-        let socket = endpoint.open(LONGEST_SLEEP).map_err(|error| BadInput(error.to_string()))?;
-        socket.set_nonblocking(true).with_context(|| format!("listening at {endpoint}"))?;
-        Ok((endpoint, socket))
-    };
-    names.iter().map(open_one).collect()
+fn open(key: &str, name: &str) -> anyhow::Result<(Endpoint, UdpSocket)> {
+    let endpoint: Endpoint = name.parse().map_err(|error| BadInput(format!("key `{key}`: {error}")))?;
+    let socket = endpoint.open(LONGEST_SLEEP).map_err(|error| BadInput(error.to_string()))?;
+    socket.set_nonblocking(true).with_context(|| format!("listening at {endpoint}"))?;
+    Ok((endpoint, socket))
 }
 
 fn summarise(radar: &LiveRadar) {
@@ -174,13 +205,13 @@ impl Ears {
         }
     }
 
-    /// Hands over what has come.
-    fn hear(&mut self, mut take: impl FnMut(&[u8])) -> anyhow::Result<()> {
+    /// Hands over what has come, with the number of the socket.
+    fn hear(&mut self, mut take: impl FnMut(usize, &[u8])) -> anyhow::Result<()> {
         let mut heard = false;
-        for (endpoint, socket) in &self.sockets {
+        for (line, (endpoint, socket)) in self.sockets.iter().enumerate() {
             for _ in 0..MOST_AT_ONCE {
                 match socket.recv(&mut self.datagram) {
-                    Ok(length) => take(&self.datagram[..length]),
+                    Ok(length) => take(line, &self.datagram[..length]),
                     Err(error) if error.kind() == ErrorKind::WouldBlock => break,
                     Err(error) if error.kind() == ErrorKind::Interrupted => continue,
                     Err(error) => return Err(error).with_context(|| format!("receiving at {endpoint}")),

@@ -1,8 +1,8 @@
 //! A radar that is listened to: datagrams in, `plots` messages of its sectors out.
 //!
-//! A sector is closed as soon as a message of the radar says that the antenna has left it, or, without one, when
+//! A sector is closed as soon as a sector message of the radar says that the antenna has left it, or, without one, when
 //! `latency_s` have gone by since it must have: by the antenna's turn ([`Antenna`]) and by how long the radar's messages
-//! are on their way. Empty sectors are published too, also while nothing arrives at all: tracks coast and end as if the
+//! are on their way. Reports that come after the message are waited for, as long as the last ones took. Empty sectors are published too, also while nothing arrives at all: tracks coast and end as if the
 //! radar saw nothing.
 //!
 //! Measurement time is the radar's clock. Where that is set, measurement time goes on as the clock of this computer does.
@@ -38,6 +38,10 @@ const CLOCK_SET_NS: i64 = 1_000_000_000;
 const CLOCK_SET_MESSAGES: u32 = 3;
 /// Share by which the delay of messages grows towards that of the latest: the least of the last ones counts.
 const DELAY_GROWTH: f64 = 1e-3;
+/// Share by which the expected lateness of reports falls towards a report that is less late.
+const LATENESS_FADES: f64 = 1e-3;
+/// Reports are waited for this many times as long as the latest of the last ones took.
+const LATENESS_MARGIN: f64 = 1.25;
 /// Reports in which the turn of a radar without north markers is searched for.
 const SEARCHED: usize = 100;
 /// An azimuth at which a sector begins is not before it for the rounding of its angle; a share of a turn.
@@ -114,8 +118,10 @@ pub struct LiveRadar {
     /// Measurement time of the last message.
     last_ns: u64,
     waiting: BTreeMap<i64, Vec<Sighting>>,
-    /// The radar has said that sectors before one are complete, and when; in order.
+    /// The radar has said that sectors before one are complete, and when; in order, of the last turn.
     complete: VecDeque<(i64, u64)>,
+    /// How long after that reports still come, ns.
+    lateness_ns: f64,
     rejected: Rejected,
     events: Events,
 }
@@ -160,6 +166,7 @@ impl LiveRadar {
             last_ns: 0,
             waiting: BTreeMap::new(),
             complete: VecDeque::new(),
+            lateness_ns: 0.0,
             rejected: Rejected::default(),
             events: Events::default(),
             config: config.clone(),
@@ -263,14 +270,19 @@ impl LiveRadar {
         now_ns as i64 - self.clock.as_ref().map_or(0.0, |clock| clock.delay_ns) as i64
     }
 
-    /// Measurement time of a time of day.
+    /// Measurement time of a time of day, by the clock as it is set at present.
+    pub fn set_time_ns(&self, time: TimeOfDay, now_ns: u64) -> i64 {
+        let offset_ns = self.clock.as_ref().map_or(0, |clock| clock.offset_ns);
+        let expected_ns = self.present_ns(now_ns) - offset_ns;
+        DayClock::near(now_ns - now_ns % DAY_NS, expected_ns).time_ns(time) + offset_ns
+    }
+
+    /// Measurement time of a time of day of the radar, whose clock may be set.
     fn time_ns(&mut self, time: TimeOfDay, now_ns: u64) -> Result<i64, Reject> {
-        let expected_ns = self.present_ns(now_ns) - self.clock.as_ref().map_or(0, |clock| clock.offset_ns);
-        let clock_ns = DayClock::near(now_ns - now_ns % DAY_NS, expected_ns).time_ns(time);
+        let time_ns = self.set_time_ns(time, now_ns);
         let delay_of = |time_ns: i64| (now_ns as i64 - time_ns) as f64;
         let clock =
-            self.clock.get_or_insert_with(|| RadarClock { offset_ns: 0, delay_ns: delay_of(clock_ns), other: None });
-        let time_ns = clock_ns + clock.offset_ns;
+            self.clock.get_or_insert_with(|| RadarClock { offset_ns: 0, delay_ns: delay_of(time_ns), other: None });
         let delay_ns = delay_of(time_ns);
         let agrees = |other_ns: f64| (delay_ns - other_ns).abs() <= CLOCK_SET_NS as f64;
         if agrees(clock.delay_ns) {
@@ -318,7 +330,11 @@ impl LiveRadar {
             let sector = self.sector_of(fix);
             let is_open =
                 self.next.is_some_and(|next| (next + 1..=next + TURNS_AHEAD * self.sectors).contains(&sector));
-            if is_open && self.complete.back().is_none_or(|&(before, _)| before < sector) {
+            // A radar that says no more than when it passes north says little of the sectors before: reports may follow.
+            let last = self.complete.back().map(|&(before, _)| before);
+            let says_sectors =
+                message.service == Service::Sector || last.is_some_and(|before| before > sector - self.sectors);
+            if is_open && says_sectors && last.is_none_or(|before| before < sector) {
                 self.complete.push_back((sector, now_ns));
             }
         }
@@ -346,8 +362,8 @@ impl LiveRadar {
             is_artificial: report.artificial != Artificial::default(),
             address: report.address.unwrap_or(0),
         };
-        let now_ns = self.present_ns(now_ns);
-        let silence_ns = self.service_ns.map_or(f64::INFINITY, |service_ns| (now_ns - service_ns) as f64);
+        let present_ns = self.present_ns(now_ns);
+        let silence_ns = self.service_ns.map_or(f64::INFINITY, |service_ns| (present_ns - service_ns) as f64);
         let has_service = silence_ns < SILENT_TURNS * self.antenna.turn_ns();
         if !self.antenna.is_locked() {
             self.unturned += 1;
@@ -359,9 +375,9 @@ impl LiveRadar {
         let turned = turned(report.azimuth_rad);
         let time_ns = time_ns.unwrap_or_else(|| {
             // The antenna was there last.
-            let turn = self.antenna.turn_of(Fix { time_ns: now_ns, turned });
+            let turn = self.antenna.turn_of(Fix { time_ns: present_ns, turned });
             let passed_ns = self.antenna.time_of(turn, turned);
-            if passed_ns > now_ns { self.antenna.time_of(turn - 1, turned) } else { passed_ns }
+            if passed_ns > present_ns { self.antenna.time_of(turn - 1, turned) } else { passed_ns }
         });
         let fix = Fix { time_ns, turned };
         let fits = self.antenna.fits(fix);
@@ -375,6 +391,9 @@ impl LiveRadar {
         }
         let sector = self.sector_of(fix);
         let next = self.next.ok_or(Reject::Late)?;
+        if let Some(since_ns) = self.complete_since(sector) {
+            self.expect_late(now_ns.saturating_sub(since_ns) as f64);
+        }
         if sector < next {
             return Err(Reject::Late);
         }
@@ -447,14 +466,28 @@ impl LiveRadar {
         self.antenna.time_of(turn, turned)
     }
 
+    /// When the radar said that a sector is complete, UTC of this computer.
+    fn complete_since(&self, sector: i64) -> Option<u64> {
+        let first = self.complete.partition_point(|&(before, _)| before <= sector);
+        self.complete.get(first).map(|&(_, since_ns)| since_ns)
+    }
+
+    /// A report has come so long after the message that its sector is complete: the most of the last ones counts.
+    fn expect_late(&mut self, lateness_ns: f64) {
+        if lateness_ns <= self.config.plot_source.latency_s * NS_PER_S {
+            let fades_ns = LATENESS_FADES * (lateness_ns - self.lateness_ns).min(0.0);
+            self.lateness_ns = lateness_ns.max(self.lateness_ns + fades_ns);
+        }
+    }
+
     /// When the next sector must be closed, if nothing closes it before; UTC of this computer.
     pub fn due_ns(&self) -> Option<u64> {
         let next = self.next?;
         let delay_ns = self.clock.as_ref().map_or(0.0, |clock| clock.delay_ns) as i64;
         let latency_ns = (self.config.plot_source.latency_s * NS_PER_S) as i64;
         let by_turn = (self.end_ns(next) + delay_ns + latency_ns).max(0) as u64;
-        let wait_ns = (self.config.plot_source.sector_delay_s * NS_PER_S) as u64;
-        let by_message = self.complete.front().map(|&(_, since_ns)| since_ns + wait_ns);
+        let wait_ns = (self.config.plot_source.sector_delay_s * NS_PER_S).max(LATENESS_MARGIN * self.lateness_ns);
+        let by_message = self.complete_since(next).map(|since_ns| since_ns + wait_ns as u64);
         Some(by_message.map_or(by_turn, |by_message| by_message.min(by_turn)))
     }
 
@@ -465,7 +498,7 @@ impl LiveRadar {
             && closed.len() < most
             && self.due_ns().is_some_and(|due_ns| due_ns <= now_ns)
         {
-            self.events.timed_out += u64::from(self.complete.is_empty());
+            self.events.timed_out += u64::from(self.complete_since(next).is_none());
             self.close_next(next, closed);
         }
     }
@@ -486,7 +519,7 @@ impl LiveRadar {
         header.time_ns = header.time_ns.max(self.last_ns + 1);
         self.last_ns = header.time_ns;
         self.next = Some(sector + 1);
-        while self.complete.front().is_some_and(|&(before, _)| before <= sector + 1) {
+        while self.complete.front().is_some_and(|&(before, _)| before <= sector - self.sectors) {
             self.complete.pop_front();
         }
         closed.push((header, plots));

@@ -1,8 +1,8 @@
-//! Datagrams from the network.
+//! Datagrams from the network, and to it.
 
 use std::fmt;
 use std::io;
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -13,16 +13,16 @@ const WAITING_BYTES: usize = 8 << 20;
 /// Largest payload of a datagram, bytes.
 pub const LARGEST_DATAGRAM: usize = 65_535;
 
-/// Where datagrams are received: `udp://ADDRESS:PORT`, and for a group of multicast `?interface=NAME` or an address of it.
+/// Where datagrams are received or sent to: `udp://ADDRESS:PORT`, and for a group of multicast `?interface=NAME` or an address of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Endpoint {
     /// Own address or group, and port.
     pub address: SocketAddr,
-    /// Interface on which a group is joined; none: the one that the routes choose.
+    /// Interface on which a group is joined or reached; none: the one that the routes choose.
     pub interface: Option<String>,
 }
 
-/// Why nothing can be received at an endpoint.
+/// Why nothing can be received at an endpoint, or sent to it.
 #[derive(Debug, thiserror::Error)]
 pub enum NetworkError {
     /// The text names no endpoint.
@@ -37,8 +37,10 @@ pub enum NetworkError {
         interface: String,
     },
     /// The system refuses the address, the port or the group.
-    #[error("cannot receive at {endpoint}: {cause}")]
+    #[error("cannot {verb} {endpoint}: {cause}")]
     Refused {
+        /// What was to be done.
+        verb: &'static str,
         /// The endpoint.
         endpoint: Endpoint,
         /// Why.
@@ -76,7 +78,7 @@ impl Endpoint {
     /// # Errors
     /// [`NetworkError`].
     pub fn open(&self, patience: Duration) -> Result<UdpSocket, NetworkError> {
-        let refused = |cause: io::Error| NetworkError::Refused { endpoint: self.clone(), cause };
+        let refused = |cause: io::Error| self.refused("receive at", cause);
         let family = if self.address.is_ipv4() { AddressFamily::INET } else { AddressFamily::INET6 };
         let open = || -> io::Result<UdpSocket> {
             let socket = rustix::net::socket(family, SocketType::DGRAM, None)?;
@@ -103,6 +105,32 @@ impl Endpoint {
             .map_err(|cause| refused(cause.into()))?;
         }
         Ok(socket)
+    }
+
+    /// A socket that may send there, with [`UdpSocket::send_to`].
+    ///
+    /// # Errors
+    /// [`NetworkError`].
+    pub fn sender(&self) -> Result<UdpSocket, NetworkError> {
+        let refused = |cause: io::Error| self.refused("send to", cause);
+        let own: IpAddr =
+            if self.address.is_ipv4() { Ipv4Addr::UNSPECIFIED.into() } else { Ipv6Addr::UNSPECIFIED.into() };
+        let socket = UdpSocket::bind((own, 0)).map_err(refused)?;
+        if self.interface.is_some() {
+            let index = self.interface_index(&socket)?;
+            if self.address.is_ipv4() {
+                let address = self.interface_address().unwrap_or(Ipv4Addr::UNSPECIFIED);
+                sockopt::set_ip_multicast_if_with_ifindex(&socket, &Ipv4Addr::UNSPECIFIED, &address, index)
+            } else {
+                sockopt::set_ipv6_multicast_if(&socket, index)
+            }
+            .map_err(|cause| refused(cause.into()))?;
+        }
+        Ok(socket)
+    }
+
+    fn refused(&self, verb: &'static str, cause: io::Error) -> NetworkError {
+        NetworkError::Refused { verb, endpoint: self.clone(), cause }
     }
 
     /// The interface as one of its addresses.

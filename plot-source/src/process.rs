@@ -12,6 +12,7 @@ use common::plots::{Plot, PlotsHeader};
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, say, stop_requested};
 use common::realtime;
 use common::time::monotonic_ns;
+use common::truth::{TruthHeader, TruthTarget};
 
 use crate::{Source, listening};
 
@@ -38,9 +39,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     if chain.run.first_scan == 0 {
         outlet.reporter.health.set_rejected(source.rejected());
     }
-    let truth = outlet.station.publisher::<Truth>(Truth::MOST)?;
     outlet.begin()?;
-    truth.wait_for_consumers()?;
 
     let mut pace = Pace::new(chain.run.speed);
     for scan in source {
@@ -54,11 +53,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             if last | header.flags & END_OF_SCAN != 0
                 && let Some((mut truth_header, targets)) = truth_of_scan.take()
             {
-                truth_header.session = outlet.session;
                 truth_header.flags |= last;
-                let published = truth.publish(&truth_header, &targets, |header| header.source_out_ns = monotonic_ns());
-                published.context("publishing truth")?;
-                outlet.reporter.health.tracks = targets.len() as u32;
+                outlet.publish_truth(truth_header, &targets)?;
             }
             outlet.publish(header, &elements)?;
             if last != 0 {
@@ -72,10 +68,10 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     Ok(code)
 }
 
-/// Where plots leave the process.
+/// Where plots and truth leave the process.
 pub(crate) struct Outlet {
-    pub(crate) station: Station,
     plots: Publisher<Plots>,
+    truth: Publisher<Truth>,
     pub(crate) reporter: HealthReporter,
     session: u64,
 }
@@ -86,15 +82,26 @@ impl Outlet {
         let refused = realtime::apply(chain.realtime.of(NAME));
         let station = Station::enter(NAME, chain)?;
         let plots = station.publisher::<Plots>(Plots::MOST)?;
+        let truth = station.publisher::<Truth>(Truth::MOST)?;
         let session = new_session();
         let reporter = HealthReporter::new(&station, chain, session, refused)?;
-        Ok(Self { station, plots, reporter, session })
+        Ok(Self { plots, truth, reporter, session })
     }
 
-    /// Waits for those who must receive the plots.
+    /// Waits for those who must receive plots and truth.
     pub(crate) fn begin(&mut self) -> anyhow::Result<()> {
         self.reporter.publish()?;
-        Ok(self.plots.wait_for_consumers()?)
+        self.plots.wait_for_consumers()?;
+        Ok(self.truth.wait_for_consumers()?)
+    }
+
+    /// Publishes where the targets of a scan were.
+    pub(crate) fn publish_truth(&mut self, mut header: TruthHeader, targets: &[TruthTarget]) -> anyhow::Result<()> {
+        header.session = self.session;
+        let published = self.truth.publish(&header, targets, |header| header.source_out_ns = monotonic_ns());
+        published.context("publishing truth")?;
+        self.reporter.health.tracks = targets.len() as u32;
+        Ok(())
     }
 
     /// Publishes the plots of a sector; at the end of the stream, waits until they have been taken.

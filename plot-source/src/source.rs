@@ -70,6 +70,9 @@ impl Source {
         if name.contains("://") {
             return Err(SourceError::NotAFile { name: name.clone() });
         }
+        if config.plot_source.truth.contains("://") {
+            return Err(SourceError::TruthNotAFile { name: config.plot_source.truth.clone() });
+        }
         let radar_path = Path::new(&config.plot_source.file);
         let truth_path = Path::new(&config.plot_source.truth);
         let radar = read(radar_path)?;

@@ -319,6 +319,28 @@ fn sectors_need_not_be_those_of_the_messages() {
     }
 }
 
+/// Reports that come behind the message that ends their sector are waited for once the first ones have been late, but no longer
+/// than `latency_s`.
+#[test]
+fn reports_that_come_late_are_waited_for() {
+    for (late_s, lost_at_most, longest_s) in [(0.0, 5, 0.04), (0.1, 12, 0.18), (0.3, 16, 0.45), (0.9, 300, 0.52)] {
+        let recorder = Recorder { dialect: Dialect::Monoradar, sector_messages: 32, ..Recorder::default() };
+        let mut datagrams = recorder.timed_blocks(TURNS);
+        let reports = datagrams.iter_mut().filter(|(_, datagram)| datagram[0] == 48);
+        for (index, (time_s, _)) in reports.enumerate() {
+            *time_s += late_s * (index * 3 % 4) as f64 / 3.0;
+        }
+        datagrams.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut radar = listener(&live_chain());
+        let heard = hear(&mut radar, &datagrams);
+        let lost = radar.rejected().of(Reject::Late);
+        assert!(lost <= lost_at_most && (late_s < 0.5 || lost > 60), "{late_s} s: {lost} reports lost");
+        let waited = heard[640..32 * 50].iter().map(|(closed_ns, header, _)| closed_ns - header.time_ns);
+        let waited_s = waited.max().expect("sectors") as f64 * 1e-9 - DELAY_S;
+        assert!(waited_s <= longest_s, "{late_s} s: waited for {waited_s} s");
+    }
+}
+
 /// A single sector message with a wrong azimuth closes nothing, and a single wrong time sets no clock.
 #[test]
 fn wrong_messages_cost_nothing() {

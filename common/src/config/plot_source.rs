@@ -23,7 +23,8 @@ pub struct PlotSourceConfig {
     pub sector_delay_s: f64,
     /// Editions of ASTERIX categories where the source does not speak the newest, as `"048=1.32"`.
     pub editions: Vec<String>,
-    /// Recording of a cooperative sensor, for scoring; empty for none.
+    /// Recording of a cooperative sensor, for scoring, or with `listen` where it is listened to, as `udp://ADDRESS:PORT`;
+    /// empty for none.
     pub truth: String,
     /// UTC date of the first report, `YYYY-MM-DD`: reports carry only the time of day.
     pub date: String,

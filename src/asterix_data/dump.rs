@@ -12,63 +12,33 @@ use asterix::record::Record;
 use asterix::recording::Recording;
 use asterix::recovery::{Unused, records};
 use asterix::value::RecordValues;
-use clap::Subcommand;
-use common::process::{BadInput, EXIT_CHECK_BROKEN, say, stop_requested};
+use common::process::{EXIT_CHECK_BROKEN, say, stop_requested};
 use plot_source::network::{Endpoint, LARGEST_DATAGRAM};
-use plot_source::unlike::what_is;
+
+use super::{bad_input, no_recording, read};
 
 /// How soon a signal ends the command while nothing is received.
 const PATIENCE: Duration = Duration::from_millis(200);
 /// Damaged places that are described; the others are counted.
 const MOST_DESCRIBED: usize = 5;
 
-/// What can be done with ASTERIX data.
-#[derive(Debug, Subcommand)]
-pub(crate) enum Command {
-    /// Print records as JSON lines: exit code 1 if bytes could not be read
-    ///
-    /// SOURCE is a file (blocks back to back, frames of the recorder FINAL, pcap or pcapng) or udp://ADDRESS:PORT,
-    /// which ends with Ctrl-C.
-    ///
-    /// Examples:
-    ///   radar-chain asterix dump radar.pcap | jq '.items."040"'
-    ///   radar-chain asterix dump 'udp://239.192.86.68:8668?interface=eth0'
-    #[command(verbatim_doc_comment)]
-    Dump {
-        /// File or udp://ADDRESS:PORT[?interface=NAME]
-        source: String,
-        /// Edition of a category, where not the newest is spoken, for example --edition 048=1.32
-        #[arg(long = "edition", value_name = "CATEGORY=EDITION")]
-        editions: Vec<String>,
-    },
-}
-
-impl Command {
-    /// Runs it.
-    pub(crate) fn run(&self) -> anyhow::Result<ExitCode> {
-        let Self::Dump { source, editions } = self;
-        let editions = Editions::default().with_named(editions.iter().map(String::as_str));
-        let editions = editions.map_err(|error| BadInput(format!("--edition: {error}")))?;
-        let mut dump = Dump { out: BufWriter::new(io::stdout().lock()), tally: Tally::default() };
-        let printed = if source.starts_with("udp://") {
-            let endpoint: Endpoint = source.parse().map_err(bad_input)?;
-            dump.network(&endpoint, &editions)
-        } else {
-            dump.file(Path::new(source), &editions)
-        };
-        let printed = printed.and_then(|()| Ok(dump.out.flush()?));
-        match printed {
-            Err(error) if error.downcast_ref().is_some_and(|it: &io::Error| it.kind() == ErrorKind::BrokenPipe) => {
-                Ok(ExitCode::SUCCESS) // whoever reads them has seen enough
-            }
-            Err(error) => Err(error),
-            Ok(()) => Ok(dump.tally.conclude(source)),
+/// Prints the records of a file or a place on the network.
+pub(super) fn run(source: &str, editions: &Editions) -> anyhow::Result<ExitCode> {
+    let mut dump = Dump { out: BufWriter::new(io::stdout().lock()), tally: Tally::default() };
+    let printed = if source.starts_with("udp://") {
+        let endpoint: Endpoint = source.parse().map_err(bad_input)?;
+        dump.network(&endpoint, editions)
+    } else {
+        dump.file(Path::new(source), editions)
+    };
+    let printed = printed.and_then(|()| Ok(dump.out.flush()?));
+    match printed {
+        Err(error) if error.downcast_ref().is_some_and(|it: &io::Error| it.kind() == ErrorKind::BrokenPipe) => {
+            Ok(ExitCode::SUCCESS) // whoever reads them has seen enough
         }
+        Err(error) => Err(error),
+        Ok(()) => Ok(dump.tally.conclude(source)),
     }
-}
-
-fn bad_input(error: impl std::fmt::Display) -> BadInput {
-    BadInput(error.to_string())
 }
 
 struct Dump<W> {
@@ -78,11 +48,7 @@ struct Dump<W> {
 
 impl<W: Write> Dump<W> {
     fn file(&mut self, path: &Path, editions: &Editions) -> anyhow::Result<()> {
-        let bytes =
-            std::fs::read(path).map_err(|error| BadInput(format!("cannot read {}: {error}", path.display())))?;
-        if let Some(found) = what_is(&bytes) {
-            return Err(BadInput(format!("{} is not an ASTERIX recording: it is {found}", path.display())).into());
-        }
+        let bytes = read(path)?;
         let recording = Recording::new(&bytes, editions);
         for received in recording.records(editions) {
             match received {
@@ -92,8 +58,7 @@ impl<W: Write> Dump<W> {
         }
         self.tally.foreign.clone_from(&recording.foreign);
         if self.tally.records == 0 && self.tally.categories.is_empty() {
-            let found = format!("no readable record in {} bytes", bytes.len());
-            return Err(BadInput(format!("{} is not an ASTERIX recording: {found}", path.display())).into());
+            return Err(no_recording(path, &format!("no readable record in {} bytes", bytes.len())).into());
         }
         Ok(())
     }
