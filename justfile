@@ -30,6 +30,8 @@ results:
     cargo run --release -p experiments -- vsmm --figures docs/img --page docs/results/vsmm.md
     cargo run --release -p experiments -- multi-alternative --figures docs/img --page docs/results/multi-alternative.md
     cargo run --release -p experiments -- estimators --page docs/results/estimators.md
+    cargo run --release -p experiments -- outliers --page docs/results/outliers.md
+    cargo run --release -p experiments -- fusion --page docs/results/fusion.md
 
 # The documents that are made from the program
 docs:

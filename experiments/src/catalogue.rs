@@ -1,8 +1,8 @@
 //! The experiments that there are.
 
 use crate::{
-    Options, Progress, Results, accuracy, cfar, crossing, estimators, initiation, multi_alternative, plot_accuracy,
-    track_loss, vsmm,
+    Options, Progress, Results, accuracy, cfar, crossing, estimators, fused, initiation, multi_alternative, outliers,
+    plot_accuracy, track_loss, vsmm,
 };
 
 /// One experiment. Its results depend on the options alone, and not on [`Options::threads`].
@@ -58,6 +58,16 @@ pub const EXPERIMENTS: &[Experiment] = &[
         name: "estimators",
         about: "every filter on drones, ships and aircraft: errors and consistency on the same plots",
         run: estimators::run,
+    },
+    Experiment {
+        name: "outliers",
+        about: "wrong elevations of one radar, judged as whole measurements and channel by channel",
+        run: outliers::run,
+    },
+    Experiment {
+        name: "fusion",
+        about: "tracks of several radars: accuracy by rule, association with and without registration, classes",
+        run: fused::run,
     },
 ];
 

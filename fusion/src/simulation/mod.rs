@@ -3,6 +3,7 @@
 
 mod local;
 mod radar;
+pub mod scenarios;
 mod score;
 mod target;
 
