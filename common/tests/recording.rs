@@ -121,16 +121,22 @@ fn health_lies_at_the_time_of_the_message_before_it() {
 fn a_container_cut_anywhere_is_readable_to_its_last_whole_chunk() {
     let written = messages(12);
     let (bytes, chunk) = (container(&written, 6), 6);
-    let mut longest = 0;
-    for cut in layout::first_chunk(&bytes)..bytes.len() {
+    let read_to = |cut: usize| {
         let mut reader = Reader::new(&bytes[..cut]);
         let read = reader.by_ref().collect::<Result<Vec<_>, _>>();
         let read = read.unwrap_or_else(|error| panic!("cut at {cut}: {error}"));
         assert_eq!(read, written[..read.len()], "cut at {cut}");
-        assert!(read.len() >= longest && (read.len() % chunk == 0 || read.len() == written.len()), "cut at {cut}");
-        longest = read.len();
-    }
-    assert_eq!(longest, written.len());
+        assert!(read.len() % chunk == 0 || read.len() == written.len(), "cut at {cut}");
+        read.len()
+    };
+    let cuts = layout::first_chunk(&bytes)..bytes.len();
+    let half = cuts.start.midpoint(cuts.end);
+    std::thread::scope(|scope| {
+        for cuts in [cuts.start..half, half..cuts.end] {
+            scope.spawn(move || assert!(cuts.map(read_to).is_sorted(), "a later cut loses messages"));
+        }
+    });
+    assert_eq!(read_to(bytes.len() - 1), written.len());
     // Before the first chunk there is nothing to find: a few cuts will do.
     for cut in (0..layout::first_chunk(&bytes)).step_by(997) {
         assert_eq!(Reader::new(&bytes[..cut]).flatten().count(), 0, "cut at {cut}");

@@ -207,7 +207,16 @@ fn target(radar: &Radar) -> Target {
 }
 
 #[test]
-fn nothing_lasts_and_a_target_is_followed() {
+fn nothing_lasts_and_a_target_is_followed_by_radars_that_tell_power() {
+    follow_by(radars().into_iter().filter(|(_, radar)| radar.pfa > 0.0 && radar.range_m < 15e3));
+}
+
+#[test]
+fn nothing_lasts_and_a_target_is_followed_far_off_and_without_power() {
+    follow_by(radars().into_iter().filter(|(_, radar)| radar.pfa == 0.0 || radar.range_m > 15e3));
+}
+
+fn follow_by(radars: impl Iterator<Item = (&'static str, Radar)>) {
     let seed =
         std::env::var("DISTURBED_SEED").map_or(1, |seed| seed.parse().expect("DISTURBED_SEED is a whole number"));
     let disturbances: [(&str, Box<Draw>); 18] = [
@@ -231,7 +240,7 @@ fn nothing_lasts_and_a_target_is_followed() {
         ("rain", Box::new(rain(150.0))),
     ];
     let mut failed = Vec::new();
-    for (name, radar) in radars() {
+    for (name, radar) in radars {
         for (what, disturbance) in &disturbances {
             let alone = run(&radar, disturbance.as_ref(), None, seed);
             let with = run(&radar, disturbance.as_ref(), Some(target(&radar)), seed);
