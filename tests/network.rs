@@ -267,8 +267,9 @@ fn a_recorded_pair_gives_one_score_by_every_way() {
     let pair = ["lebl-smr-30s.ast", "lebl-mlat-30s.ast"].map(sample);
     let score = |bench: &Bench| {
         let tracking = bench.report().tracking;
-        let scored = (tracking.truth_points, tracking.id_changes, tracking.false_tracks, tracking.distance_p50_m);
-        (scored, tracking.truth_share.expect("a share"))
+        let count = |of: Option<u64>| of.expect("scored by truth");
+        let counts = [tracking.truth_points, tracking.id_changes, tracking.false_tracks].map(count);
+        (counts, tracking.truth_share.expect("a share"), tracking.distance_p50_m.expect("a distance"))
     };
     let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/smr.toml");
     let run = |files: &[PathBuf; 2]| {
@@ -308,9 +309,12 @@ fn a_recorded_pair_gives_one_score_by_every_way() {
     let report = bench.report();
     let detected = report.detection.plots;
     assert!((70..=87).contains(&detected), "{detected} of 87 plots\n{}", text_of(&heard));
-    let (network, share) = score(&bench);
-    assert_eq!((network.1, network.2), (from_files.0.1, from_files.0.2));
-    assert!((share - from_files.1).abs() < 0.1, "{share}, from files {}", from_files.1);
+    let ([points, changes, false_tracks], share, distance_m) = score(&bench);
+    let what = format!("{points} {changes} {false_tracks} {share} {distance_m}, from files {from_files:?}");
+    let (counts, share_of_files, distance_of_files_m) = from_files;
+    assert!(points * 10 >= counts[0] * 8, "{what}");
+    assert!(changes.abs_diff(counts[1]) <= 1 && false_tracks.abs_diff(counts[2]) <= 1, "{what}");
+    assert!((share - share_of_files).abs() < 0.1 && (distance_m - distance_of_files_m).abs() < 2.0, "{what}");
 }
 
 /// What cannot be played is one line.
@@ -340,7 +344,12 @@ fn what_cannot_be_played_is_one_line() {
         assert_eq!(ended.status.code(), Some(2), "{}", text_of(&ended));
         assert!(said.lines().count() == 1 && said.contains(expected), "{said}");
     }
-    assert!(play(&[&timeless, here, Path::new("--speed"), Path::new("max")]).status.success());
+    for speed in ["0", "-1", "nan", "1e-300"] {
+        let ended = play(&[&radar, here, Path::new(&format!("--speed={speed}"))]);
+        assert_eq!(ended.status.code(), Some(2), "{}", text_of(&ended));
+        assert!(text_of(&ended).contains("a number from 1e-6 to 1e6"), "{}", text_of(&ended));
+    }
+    assert!(play(&[&timeless, here, Path::new("--speed=max")]).status.success());
 }
 
 /// Whoever reads the records may have seen enough.

@@ -1,5 +1,6 @@
-//! Outputs of whole chains: read by foreign programs, taken back by another chain, and to peers that are slow, away or gone. The foreign programs are packages
-//! of PyPI; without them their test says that it is left out, except where `CI` is set.
+//! Outputs of whole chains: read by foreign programs, taken back by another chain, and to peers that are slow, away or
+//! gone. The foreign programs are packages of PyPI; without them their test says that it is left out, except where `CI`
+//! is set.
 
 mod support;
 
@@ -247,7 +248,7 @@ fn plots_taken_back_from_the_network_give_the_tracks_of_the_direct_path() {
     for (plot, back) in direct.0.iter().zip(&taken_back.0) {
         assert!((plot.range_m - back.range_m).abs() <= 1852.0 / 512.0 + 1e-6, "{plot:?} {back:?}");
         assert!((plot.azimuth_rad - back.azimuth_rad).abs() <= TAU / 131_072.0 + 1e-9, "{plot:?} {back:?}");
-        assert!((of_day_s(plot.time_ns) - of_day_s(back.time_ns)).abs() <= 1.0 / 128.0, "{plot:?} {back:?}");
+        assert!((of_day_s(plot.time_ns) - of_day_s(back.time_ns)).abs() <= 1.0 / 128.0, "{plot:?} {back:?}"); // cut, not rounded
     }
     assert_eq!(direct.1.len(), taken_back.1.len());
     let mut farthest_m = 0.0_f64;
@@ -259,7 +260,8 @@ fn plots_taken_back_from_the_network_give_the_tracks_of_the_direct_path() {
     // Half steps: 3.6 m of range, 1.4 m across at 30 km, 190 m/s in 1/128 s.
     assert!(farthest_m < 6.5, "{farthest_m} m");
     let rejected = &receiver.report().processes["plot-source"].rejected;
-    assert_eq!(rejected["bad_header"], malformed, "{rejected:?}");
+    // The system may drop some of them where it has little room for datagrams.
+    assert!((malformed / 2..=malformed).contains(&rejected["bad_header"]), "{malformed}: {rejected:?}");
 }
 
 /// Sends 10,000 datagrams a second that are no blocks, until it is told to stop; says how many.

@@ -55,10 +55,10 @@ impl std::str::FromStr for Speed {
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "max" => Ok(Speed::Max),
-            number => number
-                .parse()
-                .map(Speed::Times)
-                .map_err(|_| format!("`{number}` is neither a number (times real time) nor `max`")),
+            number => match number.parse() {
+                Ok(factor) if (1e-6..=1e6).contains(&factor) => Ok(Speed::Times(factor)),
+                _ => Err(format!("`{number}` is neither a number from 1e-6 to 1e6 (times real time) nor `max`")),
+            },
         }
     }
 }

@@ -195,14 +195,18 @@ impl Hearing {
     /// A configuration for what has been heard at `source`, TOML; `None` without a radar.
     pub fn proposal(&self, source: &str) -> Option<String> {
         let several = self.radars.len() > 1;
-        let mut text = String::from(if several { "[run]\nmode = \"real-time\"\n" } else { "" });
+        let mut text = String::from(if several {
+            "[run]\nmode = \"real-time\"\nscans = 0            # until it is stopped\n"
+        } else {
+            ""
+        });
         for (SourceId { sac, sic }, radar) in &self.radars {
             let identity = format!("name = \"radar-{sac}-{sic}\"\nsac = {sac}\nsic = {sic}\n");
             let plots = if several {
                 let _ = write!(text, "\n[[site]]\n{identity}source = \"plot-source\"\n\n[site.plot_source]\n");
                 &mut text
             } else {
-                let run = "[run]\nsource = \"plot-source\"\nmode = \"real-time\"\n";
+                let run = "[run]\nsource = \"plot-source\"\nmode = \"real-time\"\nscans = 0            # until it is stopped\n";
                 let _ = write!(text, "[site]\n{identity}\n{run}\n[plot_source]\n");
                 &mut text
             };

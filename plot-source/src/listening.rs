@@ -12,6 +12,7 @@ use common::pace::Speed;
 use common::plots::PlotsHeader;
 use common::process::{BadInput, say, stop_requested, tell};
 use common::truth::TruthHeader;
+use common::units::NS_PER_S;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::live::{Closed, LiveRadar, Trouble};
@@ -58,7 +59,7 @@ pub(crate) fn run(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
             if line < radar_lines {
                 radar.take(datagram, now_ns);
             } else {
-                truth.take(datagram, now_ns, |time| radar.set_time_ns(time, now_ns));
+                truth.take(datagram, now_ns, radar.present_ns(now_ns), |time| radar.set_time_ns(time, now_ns));
             }
         })?;
         radar.close_due(clock.now_ns(), &mut closed);
@@ -87,7 +88,8 @@ pub(crate) fn run(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
                     flags: ended,
                     ..TruthHeader::default()
                 };
-                outlet.publish_truth(of_scan, &truth.until(time_ns))?;
+                let begin_ns = time_ns.saturating_sub((scan_period_s * NS_PER_S) as u64);
+                outlet.publish_truth(of_scan, &truth.of_scan((begin_ns, time_ns)))?;
             }
             outlet.publish(header, &plots)?;
             if header.flags & END_OF_STREAM != 0 {

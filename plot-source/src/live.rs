@@ -2,8 +2,8 @@
 //!
 //! A sector is closed as soon as a sector message of the radar says that the antenna has left it, or, without one, when
 //! `latency_s` have gone by since it must have: by the antenna's turn ([`Antenna`]) and by how long the radar's messages
-//! are on their way. Reports that come after the message are waited for, as long as the last ones took. Empty sectors are published too, also while nothing arrives at all: tracks coast and end as if the
-//! radar saw nothing.
+//! are on their way. Reports that come after the message are waited for, as long as the last ones took. Empty sectors are
+//! published too, also while nothing arrives at all: tracks coast and end as if the radar saw nothing.
 //!
 //! Measurement time is the radar's clock. Where that is set, measurement time goes on as the clock of this computer does.
 //! Nothing here reads a clock: the time of this computer, as UTC, comes with every call.
@@ -38,8 +38,8 @@ const CLOCK_SET_NS: i64 = 1_000_000_000;
 const CLOCK_SET_MESSAGES: u32 = 3;
 /// Share by which the delay of messages grows towards that of the latest: the least of the last ones counts.
 const DELAY_GROWTH: f64 = 1e-3;
-/// Share by which the expected lateness of reports falls towards a report that is less late.
-const LATENESS_FADES: f64 = 1e-3;
+/// Turns in which the expected lateness of reports falls to 1/e.
+const LATENESS_FADES: f64 = 60.0;
 /// Reports are waited for this many times as long as the latest of the last ones took.
 const LATENESS_MARGIN: f64 = 1.25;
 /// Reports in which the turn of a radar without north markers is searched for.
@@ -78,12 +78,14 @@ pub struct Events {
 pub enum Trouble {
     /// No turn can be found.
     #[error(
-        "times and azimuths tell no turn, no plots are published: the antenna stands still or turns counter-clockwise"
+        "times and azimuths tell no turn, no plots are published: the antenna stands still or turns counter-clockwise, or the \
+         radar is sent at another speed than `run.speed`"
     )]
     NoTurn,
     /// Most reports are of azimuths where the antenna was not at their time.
     #[error(
-        "reports do not fit the turn, plots are late or wrong: the antenna stands still or turns counter-clockwise"
+        "reports do not fit the turn, plots are late or wrong: the antenna stands still or turns counter-clockwise, or the radar is \
+         sent at another speed than `run.speed`"
     )]
     Astray,
 }
@@ -266,7 +268,7 @@ impl LiveRadar {
     }
 
     /// Measurement time of now, as far as messages tell how long they are on their way.
-    fn present_ns(&self, now_ns: u64) -> i64 {
+    pub fn present_ns(&self, now_ns: u64) -> i64 {
         now_ns as i64 - self.clock.as_ref().map_or(0.0, |clock| clock.delay_ns) as i64
     }
 
@@ -391,7 +393,7 @@ impl LiveRadar {
         }
         let sector = self.sector_of(fix);
         let next = self.next.ok_or(Reject::Late)?;
-        if let Some(since_ns) = self.complete_since(sector) {
+        if fits && let Some(since_ns) = self.complete_since(sector) {
             self.expect_late(now_ns.saturating_sub(since_ns) as f64);
         }
         if sector < next {
@@ -475,8 +477,7 @@ impl LiveRadar {
     /// A report has come so long after the message that its sector is complete: the most of the last ones counts.
     fn expect_late(&mut self, lateness_ns: f64) {
         if lateness_ns <= self.config.plot_source.latency_s * NS_PER_S {
-            let fades_ns = LATENESS_FADES * (lateness_ns - self.lateness_ns).min(0.0);
-            self.lateness_ns = lateness_ns.max(self.lateness_ns + fades_ns);
+            self.lateness_ns = self.lateness_ns.max(lateness_ns);
         }
     }
 
@@ -518,6 +519,7 @@ impl LiveRadar {
         let (mut header, plots) = self.layout().message(scan as u32, index as u32, bounds_ns, &sightings);
         header.time_ns = header.time_ns.max(self.last_ns + 1);
         self.last_ns = header.time_ns;
+        self.lateness_ns *= 1.0 - 1.0 / (LATENESS_FADES * self.sectors as f64);
         self.next = Some(sector + 1);
         while self.complete.front().is_some_and(|&(before, _)| before <= sector - self.sectors) {
             self.complete.pop_front();

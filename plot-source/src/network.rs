@@ -26,7 +26,7 @@ pub struct Endpoint {
 #[derive(Debug, thiserror::Error)]
 pub enum NetworkError {
     /// The text names no endpoint.
-    #[error("`{0}` is no source on a network, expected udp://ADDRESS:PORT or udp://GROUP:PORT?interface=NAME")]
+    #[error("`{0}` is no endpoint on a network, expected udp://ADDRESS:PORT or udp://GROUP:PORT?interface=NAME")]
     NoEndpoint(String),
     /// There is no such interface.
     #[error("{endpoint}: no interface `{interface}` on this machine")]

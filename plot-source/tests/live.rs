@@ -341,6 +341,22 @@ fn reports_that_come_late_are_waited_for() {
     }
 }
 
+/// Of a radar that says no more than when it passes north, reports that come after it said so are used.
+#[test]
+fn a_north_marker_alone_closes_nothing() {
+    let recorder = Recorder { dialect: Dialect::Surface, ..Recorder::default() };
+    let mut datagrams = recorder.timed_blocks(TURNS);
+    let is_report = |datagram: &[u8]| datagram.len() > recorder.timed_blocks(1)[0].1.len();
+    for (time_s, _) in datagrams.iter_mut().filter(|(_, datagram)| is_report(datagram)) {
+        *time_s += 0.3;
+    }
+    datagrams.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut radar = listener(&live_chain());
+    let heard = hear(&mut radar, &datagrams);
+    let (late, used) = (radar.rejected().of(Reject::Late), plots(&heard).len());
+    assert!(late <= 20 && used >= 5 * (TURNS as usize - 5), "{late} late, {used} used");
+}
+
 /// A single sector message with a wrong azimuth closes nothing, and a single wrong time sets no clock.
 #[test]
 fn wrong_messages_cost_nothing() {

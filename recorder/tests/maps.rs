@@ -141,5 +141,5 @@ fn tables_have_places_and_names_and_maps_need_a_place() {
     assert!(!read(folder.path(), "tracks.csv").contains("latitude_deg"));
     let error = export(messages().into_iter().map(Ok), Some(&nowhere), &TOPICS, &Format::Kml, folder.path());
     let error = error.expect_err("no place").to_string();
-    assert!(error.contains("the recorded radar has no place: expected site.position"), "{error}");
+    assert!(error.contains("the recorded radar has no place, expected site.position"), "{error}");
 }

@@ -2,6 +2,7 @@
 
 mod dump;
 mod play;
+mod schedule;
 
 use std::path::Path;
 use std::process::ExitCode;

@@ -245,7 +245,7 @@ fn follow_by(radars: impl Iterator<Item = (&'static str, Radar)>) {
             let alone = run(&radar, disturbance.as_ref(), None, seed);
             let with = run(&radar, disturbance.as_ref(), Some(target(&radar)), seed);
             let line = format!("{name}, {what}: {} lasting, target followed in {:.2}", alone.lasting, with.followed);
-            println!("{line}");
+            eprintln!("{line}");
             if alone.lasting > 1 || with.followed < FOLLOWED {
                 failed.push(line);
             }

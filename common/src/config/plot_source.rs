@@ -17,14 +17,14 @@ pub struct PlotSourceConfig {
     /// Where a radar is listened to instead: `udp://ADDRESS:PORT`, or `udp://GROUP:PORT?interface=NAME`; of a record that
     /// arrives at several of them, or twice, the first is taken.
     pub listen: Vec<String>,
-    /// A sector is closed this long, s, after the beam must have left it, if no message of the radar has closed it before.
+    /// A sector is closed this long, s, after the beam must have left it, if no sector message of the radar has closed it before.
     pub latency_s: f64,
-    /// Time, s, for which reports of a sector are waited for after the message of the radar that the beam has left it.
+    /// Least time, s, for which reports of a sector are waited for after the message of the radar that the beam has left it.
     pub sector_delay_s: f64,
     /// Editions of ASTERIX categories where the source does not speak the newest, as `"048=1.32"`.
     pub editions: Vec<String>,
-    /// Recording of a cooperative sensor, for scoring, or with `listen` where it is listened to, as `udp://ADDRESS:PORT`;
-    /// empty for none.
+    /// Recording of a cooperative sensor, for scoring, or with `listen` where it is listened to, as `udp://ADDRESS:PORT`,
+    /// by a clock that is the radar's; empty for none.
     pub truth: String,
     /// UTC date of the first report, `YYYY-MM-DD`: reports carry only the time of day.
     pub date: String,

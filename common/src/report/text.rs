@@ -36,7 +36,7 @@ impl Report {
     }
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let comparable = if self.comparable { "" } else { "  (not comparable)" };
+        let comparable = if self.comparable { "" } else { "  (not comparable: real-time mode, losses or a restart)" };
         writeln!(
             out,
             "{} scans in {:.1} s: {:.2} × real time, {} messages lost{comparable}",

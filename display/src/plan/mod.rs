@@ -38,10 +38,15 @@ pub fn draw(files: &[PathBuf], request: &Request, out: &Path) -> anyhow::Result<
     let (sites, (from_ns, to_ns)) = sites_and_extent(&tapes)?;
     let length_s = (to_ns - from_ns) as f64 / NS_PER_S;
     let at_s = request.at_s.unwrap_or(length_s);
-    if !(0.0..=length_s).contains(&at_s) {
+    // A run of thirty scans of 1 s is a dwell short of 30 s.
+    if !(0.0..=length_s.ceil()).contains(&at_s) {
         return Err(BadInput(format!("--at {at_s} is outside of the recording: expected 0 to {length_s:.1} s")).into());
     }
-    let at_ns = from_ns + (at_s * NS_PER_S) as u64;
+    if !out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg")) {
+        let text = format!("--out {}: a plan is drawn as SVG, expected a name that ends in .svg", out.display());
+        return Err(BadInput(text).into());
+    }
+    let at_ns = (from_ns + (at_s * NS_PER_S) as u64).min(to_ns);
     let (picture, trails) = picture_at(&sites, &tapes, at_ns, request.trail_s);
     let when = jiff::Timestamp::from_millisecond((at_ns / 1_000_000) as i64).map(|time| time.to_string());
     let title = format!("{} · {}", sites.names().join(", "), when.unwrap_or_default());

@@ -62,7 +62,12 @@ impl Paths {
     /// The recording does not say where its radar stands.
     pub(super) fn new(description: Option<&Description>) -> Result<Self, RecordingError> {
         let chain = configuration(description)?;
-        let unplaced = || std::io::Error::other("the recorded radar has no place: expected site.position");
+        let unplaced = || {
+            std::io::Error::other(
+                "the recorded radar has no place, expected site.position: `radar-chain run --replay FILE --speed max --set \
+                 'site.position={ latitude_deg = …, longitude_deg = …, height_m = … }'` records it with one",
+            )
+        };
         let radar = chain.site.position.ok_or_else(unplaced)?;
         Ok(Self { frame: LocalFrame::new(&radar), radar, chain, by_target: BTreeMap::new() })
     }
