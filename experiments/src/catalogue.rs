@@ -2,7 +2,7 @@
 
 use crate::{
     Options, Progress, Results, accuracy, cfar, crossing, estimators, initiation, multi_alternative, plot_accuracy,
-    track_loss, vsmm,
+    real_recordings, track_loss, vsmm,
 };
 
 /// One experiment. Its results depend on the options alone, and not on [`Options::threads`].
@@ -58,6 +58,11 @@ pub const EXPERIMENTS: &[Experiment] = &[
         name: "estimators",
         about: "every filter on drones, ships and aircraft: errors and consistency on the same plots",
         run: estimators::run,
+    },
+    Experiment {
+        name: "real-recordings",
+        about: "every filter on a ferry's radar and on an airport's, scored against what others reach on them",
+        run: real_recordings::run,
     },
 ];
 

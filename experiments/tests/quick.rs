@@ -77,9 +77,17 @@ fn results_have_the_published_form_and_do_not_depend_on_threads() {
 
 #[test]
 fn names_are_the_published_ones() {
-    for name in
-        ["cfar", "plot-accuracy", "accuracy", "track-loss", "initiation", "vsmm", "multi-alternative", "estimators"]
-    {
+    for name in [
+        "cfar",
+        "plot-accuracy",
+        "accuracy",
+        "track-loss",
+        "initiation",
+        "vsmm",
+        "multi-alternative",
+        "estimators",
+        "real-recordings",
+    ] {
         assert_eq!(named(name).len(), 1, "{name}");
     }
     assert_eq!(named(ALL).len(), EXPERIMENTS.len());
