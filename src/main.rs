@@ -8,6 +8,7 @@ mod keeper;
 mod manual;
 mod run;
 mod stages;
+mod tune;
 mod watch;
 
 use std::path::PathBuf;
@@ -41,6 +42,7 @@ const DEFAULT_CONFIG: &str = "config/uav.toml";
 ///   radar-chain doctor                                   check this machine, say how to fix what is missing
 ///   radar-chain config --explain                         every key with its value and meaning
 ///   radar-chain recorder info recordings/FILE.mcap       what is in a recording
+///   radar-chain tune recordings/FILE.mcap                parameters learnt from a recording
 ///   radar-chain asterix dump radar.pcap                  ASTERIX records as JSON lines
 ///   radar-chain asterix play radar.ast udp://[::1]:8600  a recording onto the network
 #[derive(Parser)]
@@ -149,6 +151,27 @@ enum Command {
         /// File to write, SVG
         #[arg(long, default_value = "plan.svg")]
         out: PathBuf,
+    },
+    /// Learn parameters from recordings, without truth, and print them as a fragment of a configuration
+    ///
+    /// Errors of plots, motion of targets by maximum likelihood, detection probability and density of false plots, each
+    /// with its standard error and what the configuration says. The same recordings give the same figures. Exit code 1 if
+    /// the parameters do not settle.
+    ///
+    /// Examples:
+    ///   radar-chain tune recordings/FILE.mcap > tuned.toml
+    ///   radar-chain tune monday.mcap tuesday.mcap --set tracker.estimator=imm-turn
+    #[command(verbatim_doc_comment)]
+    Tune {
+        /// Recordings of one radar; later parts beside them are found
+        #[arg(required = true)]
+        recordings: Vec<PathBuf>,
+        /// Configuration to begin with [default: that of the first recording]
+        #[arg(long, value_name = "FILE")]
+        config: Option<PathBuf>,
+        /// Override one key, for example --set tracker.estimator=cv
+        #[arg(long = "set", value_name = "KEY=VALUE")]
+        overrides: Vec<String>,
     },
     /// Print the effective configuration
     ///
@@ -431,6 +454,9 @@ fn main() -> ExitCode {
             display::plan::draw(&recordings, &request, &out)?;
             Ok(ExitCode::SUCCESS)
         }),
+        Command::Tune { recordings, config, overrides } => {
+            common::process::run("radar-chain", || tune::tune(&recordings, config.as_deref(), overrides))
+        }
         Command::Config { explain, docs, chain } => common::process::run("radar-chain", || {
             let text = match (explain, docs) {
                 (_, true) => config::reference(),

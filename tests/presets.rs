@@ -3,7 +3,7 @@
 mod support;
 
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output};
 
 use support::{Bench, output, text_of};
 
@@ -65,4 +65,35 @@ fn manoeuvring_aircraft_by_turns_and_accelerations() {
     for estimator in ["imm-turn", "multi-alternative", "adaptive-bandwidth"] {
         assert_followed_with("aircraft.toml", 5, &["--set", &format!("tracker.estimator={estimator}")]);
     }
+}
+
+/// A recorded radar on a moving ship, scored against both boats; its recording teaches a configuration that the chain takes.
+#[test]
+fn a_ferry_among_boats_and_what_its_recording_teaches() {
+    let bench = Bench::new();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/data/ferry-radar.jsonl");
+    let [radar, truth] = ["file", "truth"].map(|key| format!("plot_source.{key}='{}'", file.display()));
+    let result = run(&bench, "ferry.toml", &["--set", &radar, "--set", &truth]);
+    assert!(result.status.success(), "{}", text_of(&result));
+    let tracking = bench.report().tracking;
+    // Of 762 positions, those before the first two plots of a boat cannot be followed.
+    assert_eq!(tracking.truth_points, Some(762));
+    assert!(tracking.truth_share.is_some_and(|share| share > 0.8), "{tracking:?}");
+    let recording = bench.recordings().remove(0);
+    let tune = |file: &Path| output(Command::new(env!("CARGO_BIN_EXE_radar-chain")).arg("tune").arg(file));
+    let tuned = tune(&recording);
+    assert!(tuned.status.success(), "{}", text_of(&tuned));
+    let text = String::from_utf8(tuned.stdout).expect("text");
+    assert!(text.contains("sigma_azimuth_deg = ") && text.contains("detection_probability = "), "{text}");
+    let file = bench.path("tuned.toml");
+    std::fs::write(&file, &text).expect("a file");
+    let taken = output(Command::new(env!("CARGO_BIN_EXE_radar-chain")).arg("config").arg("--config").arg(&file));
+    assert!(taken.status.success(), "{}", text_of(&taken));
+    let refused = tune(&file);
+    assert_eq!(
+        (refused.status.code(), text_of(&refused).trim().lines().count()),
+        (Some(2), 1),
+        "{}",
+        text_of(&refused)
+    );
 }

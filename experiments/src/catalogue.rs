@@ -2,7 +2,7 @@
 
 use crate::{
     Options, Progress, Results, accuracy, cfar, crossing, estimators, fused, initiation, multi_alternative, outliers,
-    plot_accuracy, track_loss, vsmm,
+    plot_accuracy, real_recordings, track_loss, vsmm,
 };
 
 /// One experiment. Its results depend on the options alone, and not on [`Options::threads`].
@@ -68,6 +68,11 @@ pub const EXPERIMENTS: &[Experiment] = &[
         name: "fusion",
         about: "tracks of several radars: accuracy by rule, association with and without registration, classes",
         run: fused::run,
+    },
+    Experiment {
+        name: "real-recordings",
+        about: "every filter on a ferry's radar and on an airport's, scored against what others reach on them",
+        run: real_recordings::run,
     },
 ];
 

@@ -26,6 +26,7 @@ pub mod page;
 pub mod parallel;
 pub mod plot_accuracy;
 pub mod progress;
+pub mod real_recordings;
 pub mod results;
 pub mod rows;
 pub mod settings;

@@ -53,6 +53,9 @@ struct Args {
     /// accuracy: through cells and the plot extractor instead of drawn plots
     #[arg(long)]
     cells: bool,
+    /// real-recordings: folder of the airport's recordings
+    #[arg(long, value_name = "DIR")]
+    recordings: Option<PathBuf>,
 }
 
 fn renew(file: &Path, blocks: &[page::Block]) -> anyhow::Result<()> {
@@ -68,7 +71,14 @@ fn names() -> PossibleValuesParser {
 fn main() -> anyhow::Result<()> {
     let args = Args::parse();
     let threads = args.threads.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    let options = Options { runs: args.runs, seed: args.seed, threads, quick: args.quick, cells: args.cells };
+    let options = Options {
+        runs: args.runs,
+        seed: args.seed,
+        threads,
+        quick: args.quick,
+        cells: args.cells,
+        recordings: args.recordings,
+    };
     let mut all = Vec::new();
     for experiment in named(&args.name) {
         let progress = Progress::new(experiment.name);

@@ -1,5 +1,7 @@
 //! What the user asked of an experiment.
 
+use std::path::PathBuf;
+
 /// How an experiment is to be run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
@@ -13,11 +15,13 @@ pub struct Options {
     pub quick: bool,
     /// `accuracy` only: through cells and the plot extractor, not from drawn plots.
     pub cells: bool,
+    /// `real-recordings` only: the folder of the recordings that the project may not pass on.
+    pub recordings: Option<PathBuf>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { runs: None, seed: 1, threads: 1, quick: false, cells: false }
+        Self { runs: None, seed: 1, threads: 1, quick: false, cells: false, recordings: None }
     }
 }
 

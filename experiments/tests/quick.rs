@@ -98,6 +98,7 @@ fn names_are_the_published_ones() {
         "estimators",
         "outliers",
         "fusion",
+        "real-recordings",
     ] {
         assert_eq!(named(name).len(), 1, "{name}");
     }

@@ -27,6 +27,7 @@ pub mod radar;
 pub mod registration;
 pub mod repeats;
 pub mod rotation;
+pub mod scan_lines;
 pub mod sectors;
 pub mod source;
 pub mod table;

@@ -12,6 +12,7 @@ use common::health::{Reject, Rejected};
 use crate::clock::DayClock;
 use crate::contents::Contents;
 use crate::habits::{Habits, RangeRates};
+use crate::scan_lines::ScanLines;
 use crate::table::Table;
 use crate::turning::norths_after;
 
@@ -60,6 +61,8 @@ pub struct RadarRecording {
     pub rejected: Rejected,
     /// What its range rates mean.
     pub range_rates: RangeRates,
+    /// Where only the time of a whole scan is known: from north to that time, ns. It is that of all plots of the scan.
+    pub half_turn_ns: Option<i64>,
     /// Crossings of the first sector: north, where the radar does not say so otherwise.
     first_sectors: Vec<Cycle>,
 }
@@ -147,6 +150,21 @@ impl RadarRecording {
         reports.sort_by_key(|report| report.clock_ns);
         let contents = Contents { records: reports.len() as u64, ..Contents::default() };
         Self { reports, contents, ..Self::default() }
+    }
+
+    /// The plots of whole scans. Where the beam was at their time is not known: each turn is laid about the time of its scan.
+    pub fn of_scans(lines: &ScanLines, turn_ns: i64, azimuth_bias_rad: f64) -> Self {
+        let mut this = Self { half_turn_ns: Some(turn_ns / 2), ..Self::default() };
+        for scan in &lines.scans {
+            this.cycles.push(Cycle { clock_ns: scan.time_ns() - turn_ns / 2, reports_before: this.reports.len() });
+            this.reports.extend(scan.polar().map(|(range_m, azimuth_rad)| Report {
+                range_m,
+                azimuth_rad: angle::wrap(azimuth_rad - azimuth_bias_rad),
+                ..Report::default()
+            }));
+        }
+        this.contents.records = this.reports.len() as u64;
+        this
     }
 
     /// North passages at the pace of the configured turn, for plots whose times and azimuths know of none.

@@ -137,6 +137,32 @@ impl Rotations {
         Some(this)
     }
 
+    /// From scans whose times are those of UTC: no clock is set, and each begins a turn. What lasts for several turns is a pause. `None`
+    /// without scans.
+    pub fn of_scans(scans: &[Cycle], turn_ns: i64) -> Option<Self> {
+        let last = *scans.last()?;
+        let mut this = Self::default();
+        let north = |scan: &Cycle, turn_ns| North {
+            reports_before: scan.reports_before,
+            time_ns: scan.clock_ns,
+            offset_ns: 0,
+            turn_ns,
+        };
+        for pair in scans.windows(2) {
+            let elapsed_ns = pair[1].clock_ns - pair[0].clock_ns;
+            let between = match (elapsed_ns + turn_ns / 2) / turn_ns {
+                0 | 1 => Between::Turns(1),
+                turns => Between::Pause(turns),
+            };
+            let is_pause = matches!(between, Between::Pause(_));
+            this.norths.push(north(&pair[0], if is_pause { turn_ns } else { elapsed_ns }));
+            this.add_turns(pair[0].clock_ns, elapsed_ns, &between, turn_ns);
+        }
+        this.turns_ns.push((last.clock_ns, last.clock_ns + turn_ns));
+        this.norths.push(north(&last, turn_ns));
+        Some(this)
+    }
+
     /// The turns between one north passage and the next.
     fn add_turns(&mut self, from_ns: i64, passed_ns: i64, between: &Between, turn_ns: i64) {
         let turns = match *between {

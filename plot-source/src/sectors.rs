@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use common::config::{PlotSourceConfig, SiteConfig};
 use common::message::{END_OF_SCAN, TRUNCATED};
 use common::plots::{ARTIFICIAL, HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, MAX_PLOTS, Plot, PlotsHeader};
-use common::units::seconds_between;
+use common::units::{NS_PER_S, seconds_between};
 
 use crate::radar::Report;
 
@@ -38,6 +38,7 @@ pub struct SectorLayout {
     sigma_range_rate_mps: f32,
     sigma_height_m: f64,
     uses_identity: bool,
+    lag_ns: i64,
     site_height_m: f64,
 }
 
@@ -67,6 +68,7 @@ impl SectorLayout {
             sigma_range_rate_mps: if has_range_rate { config.sigma_range_rate_mps as f32 } else { 0.0 },
             sigma_height_m: config.sigma_height_m,
             uses_identity: config.use_identity,
+            lag_ns: (config.registration.plot_lag_s * NS_PER_S).round() as i64,
             site_height_m: site.position.map_or(0.0, |position| position.height_m),
         }
     }
@@ -75,7 +77,8 @@ impl SectorLayout {
     fn plot(&self, sighting: &Sighting) -> Plot {
         let report = &sighting.report;
         let (range_m, azimuth_rad) = (report.range_m, report.azimuth_rad);
-        let mut plot = Plot { time_ns: sighting.time_ns, range_m, azimuth_rad, ..self.plot };
+        let time_ns = self.measured_ns(sighting.time_ns);
+        let mut plot = Plot { time_ns, range_m, azimuth_rad, ..self.plot };
         if let Some((elevation_rad, sigma_rad)) = report.height_m.and_then(|height_m| self.elevation(range_m, height_m))
         {
             plot.elevation_rad = elevation_rad;
@@ -98,6 +101,11 @@ impl SectorLayout {
             plot.target_id = report.address;
         }
         plot
+    }
+
+    /// When the radar measured what it says to be of `time_ns`.
+    fn measured_ns(&self, time_ns: u64) -> u64 {
+        time_ns.saturating_add_signed(-self.lag_ns)
     }
 
     /// Elevation of a target at a slant range and a height, and its standard error, rad, if heights are used and say it.
@@ -141,7 +149,7 @@ impl SectorLayout {
         let period_ns = bounds_ns.1 - bounds_ns.0;
         let header = PlotsHeader {
             seq: u64::from(scan) * u64::from(self.sectors) + u64::from(sector),
-            time_ns: bounds_ns.0 + (period_ns as f64 * turned) as u64,
+            time_ns: self.measured_ns(bounds_ns.0 + (period_ns as f64 * turned) as u64),
             covered_from_rad: TAU * f64::from(sector) / f64::from(self.sectors),
             covered_to_rad: TAU * turned,
             scan_period_s: seconds_between(bounds_ns.0, bounds_ns.1),
@@ -195,6 +203,9 @@ mod tests {
         config.plot_source.use_identity = true;
         let identified = SectorLayout::new(7, &config.plot_source, &config.site, true).plot(&full);
         assert_eq!(identified, Plot { target_id: 0x4a_bc_de, ..plot });
+        config.plot_source.registration.plot_lag_s = 5e-9;
+        let late = SectorLayout::new(7, &config.plot_source, &config.site, true).plot(&full);
+        assert_eq!((identified.time_ns, late.time_ns), (7, 2));
         full.report.range_m = 100.0;
         assert!(!layout.plot(&full).has(HAS_ELEVATION), "a height above the slant range says no elevation");
     }

@@ -20,6 +20,7 @@ use crate::live::Trouble;
 use crate::radar::{RadarRecording, WhichSource};
 use crate::registration::Registration;
 use crate::rotation::Rotations;
+use crate::scan_lines::ScanLines;
 use crate::sectors::{SectorLayout, Sighting};
 use crate::table::Table;
 use crate::truth::TruthRecording;
@@ -94,8 +95,12 @@ impl Source {
         let bias_rad = Registration::new(&plot_source.registration).azimuth_bias_rad();
         let path = || radar_path.to_path_buf();
         let editions = editions(plot_source)?;
-        let table = Table::of(radar);
-        let mut recording = if let Some(table) = &table {
+        let nominal_ns = (plot_source.scan_period_s * NS_PER_S) as i64;
+        let scan_lines = ScanLines::of(radar);
+        let table = if scan_lines.is_none() { Table::of(radar) } else { None };
+        let mut recording = if let Some(lines) = &scan_lines {
+            RadarRecording::of_scans(lines, nominal_ns, bias_rad)
+        } else if let Some(table) = &table {
             RadarRecording::of_table(table, midnight_ns, bias_rad)
         } else {
             refuse_other_formats(radar_path, radar)?;
@@ -104,7 +109,6 @@ impl Source {
             refuse_without_records(radar_path, radar, &recording.contents)?;
             recording
         };
-        let nominal_ns = (plot_source.scan_period_s * NS_PER_S) as i64;
         let has_norths = !recording.cycles.is_empty();
         if !has_norths {
             recording.cycles = norths(&recording.reports, nominal_ns).unwrap_or_default();
@@ -114,8 +118,8 @@ impl Source {
             recording.assume_turns(nominal_ns);
         }
         let errors = (plot_source.sigma_range_m, plot_source.sigma_azimuth_deg.to_radians());
-        let rotations = Rotations::new(&recording.cycles, &recording.reports, nominal_ns, errors)
-            .ok_or_else(|| SourceError::NoCycle { path: path() })?;
+        let rotations =
+            rotations_of(&recording, nominal_ns, errors).ok_or_else(|| SourceError::NoCycle { path: path() })?;
         let mut notes = named(radar_path, recording.contents.notes());
         notes.extend(named(radar_path, about_source(&recording, config)));
         if assumes_turns {
@@ -125,7 +129,7 @@ impl Source {
             let text = "no north markers: the turns are those that times and azimuths of the reports tell";
             notes.extend(named(radar_path, vec![text.into()]));
         }
-        let unread = table.and_then(|table| table.unread);
+        let unread = scan_lines.and_then(|lines| lines.unread).or_else(|| table.and_then(|table| table.unread));
         if let Some(unread) = &unread {
             let text =
                 format!("{} lines could not be read, the first is {}: {}", unread.lines, unread.first, unread.why);
@@ -137,7 +141,9 @@ impl Source {
 
         let mut rejected = recording.rejected;
         let mut records = recording.contents.records;
+        let boats = truth.and_then(|(_, bytes)| ScanLines::of(bytes));
         let truth = match truth {
+            Some(_) if boats.is_some() => boats.map(|lines| lines.truth(plot_source.coverage_range_m)),
             Some((path, bytes)) => {
                 refuse_other_formats(path, bytes)?;
                 let begin_ns = rotations.bounds_ns(0).0 as i64;
@@ -161,6 +167,8 @@ impl Source {
                 continue;
             };
             astray += usize::from(!rotations.fits(scan, time_ns, report.azimuth_rad));
+            let time_ns =
+                recording.half_turn_ns.map_or(time_ns, |half_ns| rotations.bounds_ns(scan).0 as i64 + half_ns);
             let statistic = report.amplitude_db.map(|amplitude_db| level.statistic(amplitude_db));
             let sighting = Sighting { time_ns: time_ns.max(0) as u64, report: *report, statistic };
             reports.push((scan as u32, sighting));
@@ -253,6 +261,14 @@ impl Iterator for Source {
     }
 }
 
+/// The turns of a recording; `None` without a north passage.
+fn rotations_of(recording: &RadarRecording, nominal_ns: i64, errors: (f64, f64)) -> Option<Rotations> {
+    match recording.half_turn_ns {
+        Some(_) => Rotations::of_scans(&recording.cycles, nominal_ns),
+        None => Rotations::new(&recording.cycles, &recording.reports, nominal_ns, errors),
+    }
+}
+
 /// What the user should know of the sensors in a recording.
 fn about_source(recording: &RadarRecording, config: &ChainConfig) -> Vec<String> {
     let mut notes: Vec<String> =
@@ -298,6 +314,10 @@ fn about_time(recording: &RadarRecording, rotations: &Rotations, configured_s: f
     }
     if let Some(text) = listed(&rotations.pauses, |pause| format!("{:.3} s at scan {}", pause.lasted_s, pause.scan)) {
         notes.push(format!("pauses {}: {text}; their scans are without plots", rotations.pauses.len()));
+    }
+    if recording.half_turn_ns.is_some() {
+        notes.push("plots have the time of their scan: when within it the beam passed them is not in the file".into());
+        return notes;
     }
     let timeless = recording.reports.iter().filter(|report| report.clock_ns.is_none()).count();
     if timeless > 0 {

@@ -10,6 +10,7 @@
 //! tracks       store, life (T18), amplitude (T19), (T20.5), initiation (T18)
 //! operator     zones, tracks to begin and to end; orders: when what was asked for is done
 //! tracker      all of it, one call per message
+//! tuning       parameters learnt from plots, (ML1)-(ML4)
 //! ```
 //!
 //! Pure: no clock, file, shared memory or thread (but for [`replay`], which reads and writes). Formulas:
@@ -29,6 +30,7 @@ pub mod process;
 pub mod replay;
 pub mod tracker;
 pub mod tracks;
+pub mod tuning;
 mod zones;
 
 pub use tracker::{Processed, Tracker};

@@ -98,6 +98,8 @@ impl Default for PlotSourceConfig {
 pub struct RegistrationConfig {
     /// The radar reads azimuth too large by this, degrees; taken off every plot.
     pub azimuth_bias_deg: f64,
+    /// Plots are older than the radar says by this, s; taken off the time of every plot.
+    pub plot_lag_s: f64,
     /// Place of the radar, WGS-84 latitude, degrees.
     pub radar_latitude_deg: f64,
     /// Place of the radar, WGS-84 longitude, degrees.
@@ -166,6 +168,7 @@ impl RegistrationConfig {
         }
         for (name, value) in [
             ("azimuth_bias_deg", self.azimuth_bias_deg),
+            ("plot_lag_s", self.plot_lag_s),
             ("radar_height_m", self.radar_height_m),
             ("truth_height_m", self.truth_height_m),
             ("truth_offset_east_m", self.truth_offset_east_m),
