@@ -91,7 +91,8 @@ class PlotsHeader(ctypes.Structure):
         ("left_out", ctypes.c_uint32),
         ("source_id", ctypes.c_uint32),
         ("range_rate_interval_mps", ctypes.c_double),
-        ("reserved", ctypes.c_uint32 * 2),
+        ("cfar", ctypes.c_uint32),
+        ("reserved", ctypes.c_uint32 * 1),
         ("padding", ctypes.c_uint8 * 16),
     ]  # 256 bytes
 

@@ -35,7 +35,7 @@ pub use bank::{BandwidthConfig, BankConfig, OutputRule};
 pub use budget::{Budget, BudgetConfig};
 pub use display::DisplayConfig;
 pub use explain::{explained, reference};
-pub use extractor::ExtractorConfig;
+pub use extractor::{Cfar, ExtractorConfig};
 pub use fusion::FusionConfig;
 pub use ipc::IpcConfig;
 pub use link::LinkConfig;
