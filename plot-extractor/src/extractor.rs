@@ -13,6 +13,7 @@ use crate::centroid::{Offset, curvature, interpolate};
 use crate::cfar::{Detector, Hit};
 use crate::clustering::{CellGrid, Cluster, Clustering};
 use crate::extent::{self, Axis};
+use crate::jamming;
 
 /// Turns dwells into plots. Allocates nothing per dwell once running.
 #[derive(Debug)]
@@ -136,6 +137,12 @@ impl PlotExtractor {
         self.hits.clear();
         if !stages.cfar.detect(header.dwell, amplitudes, &mut stages.powers, &mut self.hits) {
             return Some(Reject::BadAmplitude);
+        }
+        if jamming::is_saturated(amplitudes, header.full_scale) {
+            return Some(Reject::Saturated);
+        }
+        if jamming::is_jammed(&self.hits, amplitudes.len(), grid.ranges, self.config.pfa) {
+            return Some(Reject::Jammed);
         }
         stages.clustering.add(header.seq, &self.hits, &stages.powers, &stages.powers_before, &mut self.closed);
         self.plot_closed(header);

@@ -201,8 +201,11 @@ impl NoiseEstimate {
     fn raw(self, s: f64) -> Transform {
         match self {
             Self::Known => Transform { ln_m: -s, a: 1.0, b: 0.0 },
-            Self::Mean(cells) | Self::Greater(cells, 0) | Self::Greater(0, cells) => mean_of(cells, s),
-            Self::Smaller(cells, 0) | Self::Smaller(0, cells) => mean_of(cells, s),
+            Self::Greater(cells, 0)
+            | Self::Greater(0, cells)
+            | Self::Smaller(cells, 0)
+            | Self::Smaller(0, cells)
+            | Self::Mean(cells) => mean_of(cells, s),
             Self::Greater(near, far) => mixture(f64::from(near), f64::from(far), s, true),
             Self::Smaller(near, far) => mixture(f64::from(near), f64::from(far), s, false),
             Self::Ordered(cells) => {

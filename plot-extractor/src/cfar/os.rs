@@ -121,8 +121,8 @@ fn count_below(
             for cell in 0..lanes {
                 let limit = padded[half + cell] * inverses[cell];
                 let below = |powers: &[f32]| powers.iter().filter(|&&power| power < limit).count() as u32;
-                counts[cell] = below(&padded[cell..cell + reference])
-                    + below(&padded[cell + half + guard + 1..cell + 2 * half + 1]);
+                counts[cell] =
+                    below(&padded[cell..cell + reference]) + below(&padded[cell + half + guard + 1..=cell + 2 * half]);
                 over |= u32::from(counts[cell] >= required[cell]);
             }
             break;
