@@ -83,6 +83,7 @@ impl VideoRecording {
                 None => rejected.count(Reject::Late),
             }
         }
+        rejected.count_many(Reject::Late, begin_at_north(&mut placed, dwells_per_scan));
         let scan_period_s = measured_period_s(&placed, dwells_per_scan).unwrap_or(radar.scan_period_s);
         let dwell_ns = scan_period_s / f64::from(dwells_per_scan) * NS_PER_S;
         let epoch_ns = chain.run.epoch_s * 1_000_000_000;
@@ -222,6 +223,20 @@ impl Found {
             None => self.rejected.count(Reject::LengthMismatch),
         }
     }
+}
+
+/// Leaves out what comes before the first north, so that no dwell of the schedule is missing at the beginning, and counts on from there;
+/// how many spokes that were. A recording that never passes north stays as it is.
+fn begin_at_north(placed: &mut Vec<(u64, Spoke)>, dwells_per_scan: u32) -> u64 {
+    let turn = u64::from(dwells_per_scan);
+    let before = placed.partition_point(|&(place, _)| place < turn);
+    let begins_at_north = placed.first().is_none_or(|&(place, _)| place == 0);
+    if begins_at_north || before == placed.len() {
+        return 0;
+    }
+    placed.drain(..before);
+    placed.iter_mut().for_each(|(place, _)| *place -= turn);
+    before as u64
 }
 
 /// How many spokes a turn has by the median of their spacings.

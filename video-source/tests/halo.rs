@@ -78,14 +78,14 @@ fn matched(traffic: &Traffic, places: &[([f64; 2], u64)], turned_rad: f64) -> (u
 /// The picture turned by other angles, for what chance matches.
 const TURNED_RAD: [f64; 3] = [0.2, -0.3, 1.0];
 
-/// 6,528 spokes without a gap, 2,048 to a turn of two seconds. The last packet of the capture begins a datagram that does not end.
+/// 6,528 spokes without a gap, 2,048 to a turn of two seconds; 62 of them come before the first north. The last packet of the capture begins a datagram that does not end.
 #[test]
 fn every_spoke_is_a_dwell() {
     let chain = chain(&[]);
     let recording = VideoRecording::read(&capture(), Path::new("halo.pcap"), &chain).expect("video");
     let dwells = recording.dwells();
-    assert_eq!((dwells.len(), recording.rejected().total(), recording.unread()), (6528, 0, 1));
-    for (pair, place) in dwells.windows(2).zip(dwells[0].0.seq..) {
+    assert_eq!((dwells.len(), recording.rejected().total(), recording.unread()), (6466, 62, 1));
+    for (pair, place) in dwells.windows(2).zip(0_u64..) {
         let (header, next) = (&pair[0].0, &pair[1].0);
         assert_eq!((header.seq, next.seq), (place, place + 1));
         assert!(header.time_ns < next.time_ns);
