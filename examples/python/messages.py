@@ -40,7 +40,8 @@ class DwellHeader(ctypes.Structure):
         ("ranges", ctypes.c_uint32),
         ("flags", ctypes.c_uint32),
         ("source_id", ctypes.c_uint32),
-        ("reserved", ctypes.c_uint32 * 12),
+        ("full_scale", ctypes.c_float),
+        ("reserved", ctypes.c_uint32 * 11),
     ]  # 192 bytes
 
 
