@@ -1,15 +1,13 @@
 //! OS-CFAR along range: the cell of rank k among the N reference cells (C11).
 //!
-//! No cell is sorted. q > α x₍k₎ holds where at least k of the reference cells are below q/α, and to count them is N comparisons
-//! on vectors of neighbouring cells. Only for hits is x₍k₎ itself looked for.
+//! No cell is sorted. q > α x₍k₎ holds where at least k of the reference cells are below q/α, and to count them is N comparisons.
+//! A hit has at most N − k cells that are not below, so three quarters of the near window tell of nearly every cell of noise that it is none: they
+//! are counted on vectors of neighbouring cells, all others only for the few cells that are left. Only for hits is x₍k₎ itself looked for.
 
 use common::amplitude::{NoiseEstimate, rank};
 
 use super::rows::{BLOCK_ROWS, Rows, windows_of};
 use super::{Hit, square};
-
-/// Cells counted for together: their counts stay in registers.
-const LANES: usize = 16;
 
 /// OS-CFAR detector for dwells whose rows are range profiles of one length.
 #[derive(Debug, Clone)]
@@ -21,6 +19,8 @@ pub struct OsCfar {
     required: Vec<u32>,
     /// k and E g before division by it, by range cell.
     ranks: Vec<(usize, f32)>,
+    /// q/α, and how many of the first reference cells are below it.
+    limits: Vec<f32>,
     counts: Vec<u32>,
     reference_powers: Vec<f32>,
 }
@@ -56,6 +56,7 @@ impl OsCfar {
         Self {
             inverses: rows.in_block(&inverses),
             required: block_required,
+            limits: vec![0.0; BLOCK_ROWS * rows.stride()],
             counts: vec![0; BLOCK_ROWS * rows.stride()],
             rows,
             ranks,
@@ -73,20 +74,29 @@ impl OsCfar {
         }
         let (ranges, stride, half) = (self.rows.ranges, self.rows.stride(), self.rows.half());
         let (guard, reference) = (self.rows.guard, self.rows.reference);
+        let first = reference * 3 / 4;
+        let others = (2 * reference - first) as u32;
         for (block, rows) in powers.chunks(BLOCK_ROWS * ranges).enumerate() {
             let (padded, cells) = self.rows.pad(rows);
-            let counts = &mut self.counts[..cells];
-            if !count_below(padded, &self.inverses[..cells], &self.required[..cells], (guard, reference), counts) {
-                continue;
-            }
+            let (limits, counts) = (&mut self.limits[..cells], &mut self.counts[..cells]);
+            scale(&padded[half..], &self.inverses, limits);
+            count_below(padded, first, limits, counts);
             for row in 0..rows.len() / ranges {
                 for (range, &(k, mean)) in self.ranks.iter().enumerate() {
                     let place = row * stride + range;
-                    if counts[place] < self.required[place] {
+                    let required = self.required[place];
+                    if counts[place] + others < required {
+                        continue;
+                    }
+                    let limit = limits[place];
+                    let below = |powers: &[f32]| powers.iter().map(|&power| u32::from(power < limit)).sum::<u32>();
+                    let at = half + place;
+                    let lagging = below(&padded[place + first..place + reference]);
+                    let leading = below(&padded[at + guard + 1..][..reference]);
+                    if counts[place] + lagging + leading < required {
                         continue;
                     }
                     let (before, after) = windows_of(range, ranges, guard, reference);
-                    let at = half + place;
                     self.reference_powers.clear();
                     self.reference_powers.extend(&padded[at - guard - before..at - guard]);
                     self.reference_powers.extend(&padded[at + guard + 1..at + guard + 1 + after]);
@@ -101,53 +111,35 @@ impl OsCfar {
     }
 }
 
-/// Counts, for each cell, the reference cells below its power over α; whether any count is as large as required.
+/// Writes power over α.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
-fn count_below(
-    padded: &[f32],
-    inverses: &[f32],
-    required: &[u32],
-    (guard, reference): (usize, usize),
-    counts: &mut [u32],
-) -> bool {
-    let half = guard + reference;
-    let mut over = 0_u32;
-    let mut first = 0;
-    while first < counts.len() {
-        // The last cells are counted with ones before them, some for a second time.
-        let begin = if first + LANES <= counts.len() { first } else { counts.len().saturating_sub(LANES) };
-        let lanes = LANES.min(counts.len());
-        if lanes < LANES {
-            for cell in 0..lanes {
-                let limit = padded[half + cell] * inverses[cell];
-                let below = |powers: &[f32]| powers.iter().filter(|&&power| power < limit).count() as u32;
-                counts[cell] =
-                    below(&padded[cell..cell + reference]) + below(&padded[cell + half + guard + 1..=cell + 2 * half]);
-                over |= u32::from(counts[cell] >= required[cell]);
-            }
-            break;
-        }
-        let mut limits = [0.0_f32; LANES];
-        for (limit, (&power, &inverse)) in
-            limits.iter_mut().zip(padded[half + begin..][..LANES].iter().zip(&inverses[begin..][..LANES]))
-        {
-            *limit = power * inverse;
-        }
-        let mut below = [0_u32; LANES];
-        for window in [begin, begin + half + guard + 1] {
-            for offset in 0..reference {
-                let powers = &padded[window + offset..][..LANES];
-                for ((below, &power), &limit) in below.iter_mut().zip(powers).zip(&limits) {
-                    *below += u32::from(power < limit);
-                }
-            }
-        }
-        let wanted = &required[begin..][..LANES];
-        for ((count, &below), &wanted) in counts[begin..][..LANES].iter_mut().zip(&below).zip(wanted) {
-            *count = below;
-            over |= u32::from(below >= wanted);
-        }
-        first = begin + LANES;
+fn scale(powers: &[f32], inverses: &[f32], limits: &mut [f32]) {
+    for (limit, (&power, &inverse)) in limits.iter_mut().zip(powers.iter().zip(inverses)) {
+        *limit = power * inverse;
     }
-    over > 0
+}
+
+/// Counts, for each cell, those of the first `offsets` reference cells before it that are below its limit; `padded` begins with the first of
+/// them. Four at a time, so that the counts are loaded and stored a quarter as often.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
+fn count_below(padded: &[f32], offsets: usize, limits: &[f32], counts: &mut [u32]) {
+    let cells = counts.len();
+    let limits = &limits[..cells];
+    counts.fill(0);
+    let at = |offset: usize| &padded[offset..][..cells];
+    let mut offset = 0;
+    while offset + 4 <= offsets {
+        let (a, b, c, d) = (at(offset), at(offset + 1), at(offset + 2), at(offset + 3));
+        for cell in 0..cells {
+            let below = |powers: &[f32]| u32::from(powers[cell] < limits[cell]);
+            counts[cell] += below(a) + below(b) + below(c) + below(d);
+        }
+        offset += 4;
+    }
+    while offset < offsets {
+        for (count, (&power, &limit)) in counts.iter_mut().zip(at(offset).iter().zip(limits)) {
+            *count += u32::from(power < limit);
+        }
+        offset += 1;
+    }
 }
