@@ -22,6 +22,8 @@ pub struct OsCfar {
     /// q/α, and how many of the first reference cells are below it.
     limits: Vec<f32>,
     counts: Vec<u32>,
+    /// Places in a block of cells that may be hits.
+    left: Vec<u32>,
     reference_powers: Vec<f32>,
 }
 
@@ -58,6 +60,7 @@ impl OsCfar {
             required: block_required,
             limits: vec![0.0; BLOCK_ROWS * rows.stride()],
             counts: vec![0; BLOCK_ROWS * rows.stride()],
+            left: Vec::with_capacity(BLOCK_ROWS * rows.stride()),
             rows,
             ranks,
             reference_powers: Vec::with_capacity(2 * reference),
@@ -81,30 +84,29 @@ impl OsCfar {
             let (limits, counts) = (&mut self.limits[..cells], &mut self.counts[..cells]);
             scale(&padded[half..], &self.inverses, limits);
             count_below(padded, first, limits, counts);
-            for row in 0..rows.len() / ranges {
-                for (range, &(k, mean)) in self.ranks.iter().enumerate() {
-                    let place = row * stride + range;
-                    let required = self.required[place];
-                    if counts[place] + others < required {
-                        continue;
-                    }
-                    let limit = limits[place];
-                    let below = |powers: &[f32]| powers.iter().map(|&power| u32::from(power < limit)).sum::<u32>();
-                    let at = half + place;
-                    let lagging = below(&padded[place + first..place + reference]);
-                    let leading = below(&padded[at + guard + 1..][..reference]);
-                    if counts[place] + lagging + leading < required {
-                        continue;
-                    }
-                    let (before, after) = windows_of(range, ranges, guard, reference);
-                    self.reference_powers.clear();
-                    self.reference_powers.extend(&padded[at - guard - before..at - guard]);
-                    self.reference_powers.extend(&padded[at + guard + 1..at + guard + 1 + after]);
-                    let (_, ordered, _) = self.reference_powers.select_nth_unstable_by(k - 1, f32::total_cmp);
-                    let noise = *ordered / mean;
-                    let cell = ((block * BLOCK_ROWS + row) * ranges + range) as u32;
-                    hits.push(Hit { cell, power: padded[at], noise });
+            self.left.clear();
+            note_left(counts, &self.required, others, &mut self.left);
+            for &place in &self.left {
+                let place = place as usize;
+                let (row, range) = (place / stride, place % stride);
+                let Some(&(k, mean)) = self.ranks.get(range) else { continue };
+                let required = self.required[place];
+                let limit = limits[place];
+                let below = |powers: &[f32]| powers.iter().map(|&power| u32::from(power < limit)).sum::<u32>();
+                let at = half + place;
+                let lagging = below(&padded[place + first..place + reference]);
+                let leading = below(&padded[at + guard + 1..][..reference]);
+                if counts[place] + lagging + leading < required {
+                    continue;
                 }
+                let (before, after) = windows_of(range, ranges, guard, reference);
+                self.reference_powers.clear();
+                self.reference_powers.extend(&padded[at - guard - before..at - guard]);
+                self.reference_powers.extend(&padded[at + guard + 1..at + guard + 1 + after]);
+                let (_, ordered, _) = self.reference_powers.select_nth_unstable_by(k - 1, f32::total_cmp);
+                let noise = *ordered / mean;
+                let cell = ((block * BLOCK_ROWS + row) * ranges + range) as u32;
+                hits.push(Hit { cell, power: padded[at], noise });
             }
         }
         true
@@ -141,5 +143,25 @@ fn count_below(padded: &[f32], offsets: usize, limits: &[f32], counts: &mut [u32
             *count += u32::from(power < limit);
         }
         offset += 1;
+    }
+}
+
+/// Cells looked at together for any that may be a hit.
+const GROUP: usize = 32;
+
+/// Appends the places of cells whose count may reach what is required with `others` more cells.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
+fn note_left(counts: &[u32], required: &[u32], others: u32, left: &mut Vec<u32>) {
+    for (group, (counts, required)) in counts.chunks(GROUP).zip(required.chunks(GROUP)).enumerate() {
+        let mut any = 0_u32;
+        for (&count, &required) in counts.iter().zip(required) {
+            any |= u32::from(count + others >= required);
+        }
+        if any > 0 {
+            let places = (group * GROUP) as u32..;
+            let may =
+                places.zip(counts.iter().zip(required)).filter(|(_, (count, required))| *count + others >= **required);
+            left.extend(may.map(|(place, _)| place));
+        }
     }
 }
