@@ -235,7 +235,9 @@ fn begin_at_north(placed: &mut Vec<(u64, Spoke)>, dwells_per_scan: u32) -> u64 {
         return 0;
     }
     placed.drain(..before);
-    placed.iter_mut().for_each(|(place, _)| *place -= turn);
+    for (place, _) in placed.iter_mut() {
+        *place -= turn;
+    }
     before as u64
 }
 

@@ -128,18 +128,21 @@ fn count_below(padded: &[f32], offsets: usize, limits: &[f32], counts: &mut [u32
     let cells = counts.len();
     let limits = &limits[..cells];
     counts.fill(0);
-    let at = |offset: usize| &padded[offset..][..cells];
     let mut offset = 0;
     while offset + 4 <= offsets {
-        let (a, b, c, d) = (at(offset), at(offset + 1), at(offset + 2), at(offset + 3));
+        let (a, b) = (&padded[offset..][..cells], &padded[offset + 1..][..cells]);
+        let (c, d) = (&padded[offset + 2..][..cells], &padded[offset + 3..][..cells]);
         for cell in 0..cells {
-            let below = |powers: &[f32]| u32::from(powers[cell] < limits[cell]);
-            counts[cell] += below(a) + below(b) + below(c) + below(d);
+            let limit = limits[cell];
+            counts[cell] += u32::from(a[cell] < limit)
+                + u32::from(b[cell] < limit)
+                + u32::from(c[cell] < limit)
+                + u32::from(d[cell] < limit);
         }
         offset += 4;
     }
     while offset < offsets {
-        for (count, (&power, &limit)) in counts.iter_mut().zip(at(offset).iter().zip(limits)) {
+        for (count, (&power, &limit)) in counts.iter_mut().zip(padded[offset..].iter().zip(limits)) {
             *count += u32::from(power < limit);
         }
         offset += 1;
