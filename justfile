@@ -47,7 +47,7 @@ sudo := if `id -u` == "0" { "" } else { "sudo" }
 
 release := env("CARGO_TARGET_DIR", "target") / "release"
 # What the manual needs beside the launcher
-tools := "recorder tracker plot-extractor plot-source outputs radar-link parquet-export experiments"
+tools := "recorder tracker plot-extractor plot-source video-source outputs radar-link parquet-export experiments"
 
 # Install the programs, completions and man pages, the units, their user and a first configuration (deploy/README.md)
 install:

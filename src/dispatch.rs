@@ -21,6 +21,7 @@ pub(crate) fn run_stage(name: &str, args: &StageArgs) -> anyhow::Result<ExitCode
     match name {
         radar_sim::process::NAME => radar_sim::process::run(args),
         plot_source::process::NAME => plot_source::process::run(args),
+        video_source::process::NAME => video_source::process::run(args),
         recorder::replay_process::NAME => recorder::replay_process::run(args),
         plot_extractor::process::NAME => plot_extractor::process::run(args),
         tracker::process::NAME => tracker::process::run(args),

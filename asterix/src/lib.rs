@@ -9,7 +9,7 @@
 //! - **Everything**: [`value::RecordValues`] is any record of any category as a tree, which can be changed, printed as JSON
 //!   and encoded again.
 //! - **Fast**: a [`Field`] is an element found by its name when the program is compiled ([`field!`]). [`report`] has what radars send
-//!   (categories 001, 002, 010, 034, 048), [`cat062`] and [`cat065`] what trackers send, in SI units, without allocation.
+//!   (categories 001, 002, 010, 034, 048), [`cat062`] and [`cat065`] what trackers send, [`cat240`] video, in SI units, without allocation.
 //!
 //! ```
 //! use asterix::block::Blocks;
@@ -51,6 +51,7 @@ pub mod cat034;
 pub mod cat048;
 pub mod cat062;
 pub mod cat065;
+pub mod cat240;
 pub mod definition;
 pub mod editions;
 pub mod error;

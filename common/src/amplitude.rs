@@ -1,7 +1,7 @@
 //! Statistics of a plot's power, with and without a target behind it (C3)-(C5).
 //!
 //! The decision statistic of a cell is q = z²: its power over the noise power, which is either
-//! known or the mean of N reference cells (CA-CFAR). All formulas are in q; a
+//! known or estimated: as the mean of N reference cells (CA-CFAR), or otherwise ([`NoiseEstimate`]). All formulas are in q; a
 //! [`crate::plots::Plot`] carries z. S is the mean signal-to-noise ratio as a power ratio.
 //!
 //! ```text
@@ -17,7 +17,12 @@
 //! Every ratio is formed in logarithms: nothing overflows 50 dB above the noise or far out in
 //! the tails. Derivation: `docs/theory/amplitude.md`.
 
+mod noise;
+
+pub use noise::{Cfar, MapMemory, NoiseEstimate, rank};
+
 use crate::units::from_db;
+use noise::Transform;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -80,17 +85,27 @@ pub struct FalsePower {
 pub struct Detector {
     /// F, probability of false alarm per cell.
     pub pfa: f64,
-    /// N, reference cells; 0 for known noise.
-    pub reference_cells: u32,
+    /// How the noise power is estimated.
+    pub noise: NoiseEstimate,
     /// t₀, threshold on q.
     pub threshold: f64,
 }
 
 impl Detector {
+    /// A CA-CFAR over `reference_cells` cells; 0 for known noise.
+    ///
     /// # Panics
     /// Unless `pfa` lies between 0 and 1, both excluded.
     pub fn new(pfa: f64, reference_cells: u32) -> Self {
-        Self { pfa, reference_cells, threshold: ca_cfar_factor(reference_cells, pfa) }
+        Self::with(pfa, NoiseEstimate::new(Cfar::Ca, reference_cells))
+    }
+
+    /// A detector with this estimate of the noise.
+    ///
+    /// # Panics
+    /// As [`Detector::new`].
+    pub fn with(pfa: f64, noise: NoiseEstimate) -> Self {
+        Self { pfa, noise, threshold: noise.factor(pfa) }
     }
 
     /// P(q > t) in noise (C4); F at the threshold.
@@ -103,15 +118,22 @@ impl Detector {
         self.gamma_1(q, 1.0).ln_density.exp()
     }
 
-    /// Mean of q − t₀ over false alarms: 1 for known noise, (N + t₀)/(N − 1) for CA-CFAR.
+    /// Mean of q − t₀ over false alarms: 1 for known noise, (N + t₀)/(N − 1) for CA-CFAR, and this with the numbers of the
+    /// Γ power that is like g at t₀ for the others (C13).
     pub fn noise_mean_excess(&self) -> f64 {
-        let n = f64::from(self.reference_cells);
-        if self.reference_cells < 2 { 1.0 } else { (n + self.threshold) / (n - 1.0) }
+        match self.noise {
+            NoiseEstimate::Known | NoiseEstimate::Mean(0..2) => 1.0,
+            NoiseEstimate::Mean(cells) => (f64::from(cells) + self.threshold) / (f64::from(cells) - 1.0),
+            other => {
+                let gamma = Gamma::like(other.transform(self.threshold), 0.0);
+                if gamma.shape > 1.0 { gamma.rate / (gamma.shape - 1.0) } else { 1.0 }
+            }
+        }
     }
 
     /// Power that noise exceeds with a probability.
     pub fn power_exceeded_by(&self, probability: f64) -> f64 {
-        ca_cfar_factor(self.reference_cells, probability)
+        self.noise.factor(probability)
     }
 
     /// Share of false plots that exceed t ≥ t₀.
@@ -160,27 +182,76 @@ impl Detector {
 
     /// An exponential power of mean `mean` over the noise estimate.
     fn gamma_1(&self, q: f64, mean: f64) -> Tail {
-        if self.reference_cells == 0 {
-            return Tail { ln_survival: -q / mean, ln_density: -q / mean - mean.ln() };
+        match self.noise {
+            NoiseEstimate::Known => Tail { ln_survival: -q / mean, ln_density: -q / mean - mean.ln() },
+            NoiseEstimate::Mean(cells) => {
+                let n = f64::from(cells);
+                let ln_y = (q / (n * mean)).ln_1p();
+                Tail { ln_survival: -n * ln_y, ln_density: -(n + 1.0) * ln_y - mean.ln() }
+            }
+            other => {
+                let at = other.transform(q / mean);
+                Tail { ln_survival: at.ln_m, ln_density: at.ln_m + at.a.ln() - mean.ln() }
+            }
         }
-        let n = f64::from(self.reference_cells);
-        let ln_y = (q / (n * mean)).ln_1p();
-        Tail { ln_survival: -n * ln_y, ln_density: -(n + 1.0) * ln_y - mean.ln() }
     }
 
     /// A power of two degrees Γ(2) with scale `scale` over the noise estimate.
     fn gamma_2(&self, q: f64, scale: f64) -> Tail {
-        if self.reference_cells == 0 {
-            let y = q / scale;
-            return Tail { ln_survival: -y + y.ln_1p(), ln_density: -y + y.ln() - scale.ln() };
+        let y = q / scale;
+        match self.noise {
+            NoiseEstimate::Known => Tail { ln_survival: -y + y.ln_1p(), ln_density: -y + y.ln() - scale.ln() },
+            NoiseEstimate::Mean(cells) => {
+                let n = f64::from(cells);
+                let y = q / (n * scale);
+                let ln_y = y.ln_1p();
+                Tail {
+                    ln_survival: -n * ln_y + (n * y / (1.0 + y)).ln_1p(),
+                    ln_density: -(n + 2.0) * ln_y + ((n + 1.0) * y).ln() - scale.ln(),
+                }
+            }
+            other => {
+                let Transform { ln_m, a, b } = other.transform(y);
+                Tail { ln_survival: ln_m + (y * a).ln_1p(), ln_density: ln_m + (y * (a * a + b)).ln() - scale.ln() }
+            }
         }
-        let n = f64::from(self.reference_cells);
-        let y = q / (n * scale);
-        let ln_y = y.ln_1p();
-        Tail {
-            ln_survival: -n * ln_y + (n * y / (1.0 + y)).ln_1p(),
-            ln_density: -(n + 2.0) * ln_y + ((n + 1.0) * y).ln() - scale.ln(),
+    }
+
+    /// The Γ power in whose place the noise estimate stands before a steady target of `snr`, seen at a power `t` (C13); none
+    /// for known noise.
+    ///
+    /// The product of the densities of target and estimate is largest near g = 1 if S is at least t. If it is less, the draws of
+    /// g that count are those that noise at the power s = t − √(S t) favours.
+    fn gamma_at(&self, t: f64, snr: f64) -> Option<Gamma> {
+        match self.noise {
+            NoiseEstimate::Known => None,
+            NoiseEstimate::Mean(cells) => {
+                let n = f64::from(cells);
+                Some(Gamma { shape: n, rate: n + t, ln_survival: -n * (t / n).ln_1p() })
+            }
+            other => {
+                let favoured = (t - (snr * t).sqrt()).max(0.0);
+                Some(Gamma::like(other.transform(favoured), t - favoured))
+            }
         }
+    }
+}
+
+/// A Γ power like g, among the draws of g that noise at some power favours (C13).
+#[derive(Debug, Clone, Copy)]
+struct Gamma {
+    shape: f64,
+    /// Including the power.
+    rate: f64,
+    /// ln of the probability that noise exceeds the power.
+    ln_survival: f64,
+}
+
+impl Gamma {
+    /// Of mean A and variance B at one power, seen `beyond` it.
+    fn like(at: Transform, beyond: f64) -> Self {
+        let (shape, rate) = (at.a * at.a / at.b, at.a / at.b);
+        Self { shape, rate: rate + beyond, ln_survival: at.ln_m - shape * (beyond / rate).ln_1p() }
     }
 }
 
@@ -258,7 +329,7 @@ impl TargetStatistics {
         let snr = self.snr[point];
         match self.swerling {
             Swerling::Zero => self.steady_ln_ratio(q, snr),
-            Swerling::One if self.detector.reference_cells == 0 => q * snr / (1.0 + snr) - self.ln_mean[point],
+            Swerling::One if self.detector.noise == NoiseEstimate::Known => q * snr / (1.0 + snr) - self.ln_mean[point],
             Swerling::One => self.detector.gamma_1(q, 1.0 + snr).ln_density - self.detector.gamma_1(q, 1.0).ln_density,
             Swerling::Three => {
                 let a = 0.5 * snr;
@@ -309,10 +380,8 @@ impl TargetStatistics {
     /// threshold: Poisson of mean t for known noise, negative binomial for CA-CFAR (the
     /// identity between gamma or beta tails and counts). All terms are positive.
     fn steady_survival(&self, t: f64, snr: f64) -> f64 {
-        let n = f64::from(self.detector.reference_cells);
-        let known = self.detector.reference_cells == 0;
-        let x = t / (n + t);
-        let mut event = self.detector.gamma_1(t, 1.0).survival(); // P(I = 0)
+        let noise = self.detector.gamma_at(t, snr);
+        let mut event = noise.map_or(-t, |gamma| gamma.ln_survival).exp(); // P(I = 0)
         let mut at_most = event;
         let (mut sum, mut poisson_sum) = (0.0, 0.0);
         let end = snr + 12.0 * snr.sqrt() + 40.0;
@@ -322,7 +391,7 @@ impl TargetStatistics {
             sum += poisson * at_most;
             poisson_sum += poisson;
             k += 1.0;
-            event *= if known { t / k } else { x * (n + k - 1.0) / k };
+            event *= noise.map_or(t, |gamma| t / gamma.rate * (gamma.shape + k - 1.0)) / k;
             at_most += event;
             // Past the bulk of I every further k is a detection.
             if k > t && event < 1e-18 * at_most {
@@ -333,11 +402,18 @@ impl TargetStatistics {
     }
 
     /// Swerling 0: ℓ = Σ_k T_k with T_k = Poisson(k; S) · q^k/k! for known noise and
-    /// Poisson(k; S) · x^k C(N+k, k), x = q/(N+q), for CA-CFAR; summed outwards from the largest term.
+    /// Poisson(k; S) · x^k C(N+k, k), x = q/(N+q), for CA-CFAR; summed outwards from the largest term. Other estimates take
+    /// the place of a Γ power (C13), whose own density in noise is exchanged for theirs.
     fn steady_ln_ratio(&self, q: f64, snr: f64) -> f64 {
-        let n = f64::from(self.detector.reference_cells);
-        let known = self.detector.reference_cells == 0;
-        let x = q / (n + q);
+        let noise = self.detector.gamma_at(q, snr);
+        let known = noise.is_none();
+        let (n, x) = noise.map_or((0.0, 1.0), |gamma| (gamma.shape, q / gamma.rate));
+        let exchanged = match (self.detector.noise, noise) {
+            (NoiseEstimate::Known | NoiseEstimate::Mean(_), _) | (_, None) => 0.0,
+            (_, Some(gamma)) => {
+                gamma.ln_survival + (gamma.shape / gamma.rate).ln() - self.detector.gamma_1(q, 1.0).ln_density
+            }
+        };
         let step = |k: f64| {
             // T_(k+1) / T_k
             let growth = if known { snr * q } else { snr * x * (n + k + 1.0) };
@@ -364,7 +440,7 @@ impl TargetStatistics {
             term /= step(k);
             sum += term;
         }
-        ln_peak + sum.ln()
+        exchanged + ln_peak + sum.ln()
     }
 }
 
@@ -423,6 +499,52 @@ mod tests {
         }
     }
 
+    /// Every kind of estimate: D is the integral of the density, and what noise gives above the threshold is F.
+    #[test]
+    fn densities_of_all_estimates_integrate_to_their_probabilities() {
+        for cfar in [Cfar::Go, Cfar::So, Cfar::Os, Cfar::ClutterMap] {
+            let detector = Detector::with(1e-4, NoiseEstimate::new(cfar, 32));
+            let noise = integral(|q| detector.noise_density(q), detector.threshold, 1.0);
+            assert_relative_eq!(noise, 1e-4, max_relative = 1e-6);
+            for swerling in [Swerling::One, Swerling::Three] {
+                let target = detector.target(swerling, from_db(13.0));
+                let area = integral(|q| target.density(q), detector.threshold, 5.0);
+                assert_relative_eq!(area, target.detection_probability, max_relative = 1e-6);
+            }
+            let mean = integral(|q| (q - detector.threshold) * detector.noise_density(q), detector.threshold, 1.0);
+            assert_relative_eq!(mean / detector.pfa, detector.noise_mean_excess(), max_relative = 0.02);
+        }
+    }
+
+    /// A steady target before OS-CFAR: I is a sum of geometric counts, one for each exponential power of which g is the sum.
+    #[test]
+    fn a_steady_target_before_an_ordered_statistic() {
+        let cells = 32;
+        let detector = Detector::with(1e-4, NoiseEstimate::new(Cfar::Os, cells));
+        for snr_db in [0.0, 6.0, 9.0, 11.0, 13.0, 16.0] {
+            let snr = from_db(snr_db);
+            let mut counts = vec![0.0; 400];
+            counts[0] = 1.0;
+            for i in 0..rank(cells) {
+                let y = detector.threshold / detector.noise.mean() / f64::from(cells - i);
+                let mut before = 0.0;
+                for count in &mut counts {
+                    before = (*count + y * before) / (1.0 + y);
+                    *count = before;
+                }
+            }
+            let (mut at_most, mut exact) = (0.0, 0.0);
+            for (k, count) in counts.iter().enumerate() {
+                at_most += count;
+                exact += ln_poisson(k as f64, snr).exp() * at_most;
+            }
+            let target = detector.target(Swerling::Zero, snr);
+            assert_relative_eq!(target.detection_probability, exact, max_relative = 0.01);
+            let area = integral(|q| target.density(q), detector.threshold, 5.0);
+            assert_relative_eq!(area, exact, max_relative = 0.01);
+        }
+    }
+
     #[test]
     fn many_reference_cells_are_known_noise() {
         for swerling in ALL {
@@ -457,8 +579,11 @@ mod tests {
             pfa_exponent in 1.0..9.0_f64,
             cells in 0_u32..64,
             index in 0_usize..3,
+            kind in 0_u32..5,
         ) {
-            let detector = Detector::new(10.0_f64.powf(-pfa_exponent), cells);
+            let cfar = Cfar::of(kind).expect("five kinds");
+            let cells = if cfar == Cfar::Ca { cells } else { cells.max(4) };
+            let detector = Detector::with(10.0_f64.powf(-pfa_exponent), NoiseEstimate::new(cfar, cells));
             let target = detector.target(ALL[index], from_db(snr_db));
             let d = target.detection_probability;
             prop_assert!(d > 0.0 && d <= 1.0, "D {d}");

@@ -67,8 +67,10 @@ pub struct DwellHeader {
     pub flags: u32,
     /// SAC (high byte) and SIC (low byte) of the radar.
     pub source_id: u32,
+    /// Amplitude at which the receiver is at its full scale; 0 where it has none.
+    pub full_scale: f32,
     /// Always 0: no undefined bytes.
-    pub reserved: [u32; 12],
+    pub reserved: [u32; 11],
 }
 
 // Changing the layout means a new type name.

@@ -52,11 +52,15 @@ pub enum Reject {
     BadTrack,
     /// A track or plot that the format of an output cannot say.
     NotSayable,
+    /// A dwell with hits all over its ranges, as pulses of other transmitters give them.
+    Jammed,
+    /// A dwell that is at the receiver's full scale in a quarter of its cells.
+    Saturated,
 }
 
 impl Reject {
     /// All reasons with their names in reports.
-    const NAMED: [(Self, &'static str); 18] = [
+    const NAMED: [(Self, &'static str); 20] = [
         (Self::LengthMismatch, "length_mismatch"),
         (Self::BadHeader, "bad_header"),
         (Self::BadAmplitude, "bad_amplitude"),
@@ -75,6 +79,8 @@ impl Reject {
         (Self::UnreadByte, "unread_byte"),
         (Self::BadTrack, "bad_track"),
         (Self::NotSayable, "not_sayable"),
+        (Self::Jammed, "jammed"),
+        (Self::Saturated, "saturated"),
     ];
 }
 

@@ -127,16 +127,20 @@ pub struct PlotsHeader {
     pub source_id: u32,
     /// Unambiguous interval of range rates, m/s: those of plots are known up to multiples of it; 0 where they are known.
     pub range_rate_interval_mps: f64,
+    /// How the CFAR estimates the noise: a number of [`crate::amplitude::Cfar`]; 0, the mean of the reference cells, where
+    /// nothing is said.
+    #[serde(default)]
+    pub cfar: u32,
     /// Always 0: no undefined bytes.
     #[serde(deserialize_with = "spare")]
-    pub reserved: [u32; 2],
+    pub reserved: [u32; 1],
 }
 
 /// What is left of four words, all of which older JSON lines hold.
-fn spare<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[u32; 2], D::Error> {
+fn spare<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[u32; 1], D::Error> {
     struct Words;
     impl<'de> Visitor<'de> for Words {
-        type Value = [u32; 2];
+        type Value = [u32; 1];
 
         fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
             formatter.write_str("words that are 0")
@@ -144,10 +148,10 @@ fn spare<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[u32; 2], D::Erro
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut words: A) -> Result<Self::Value, A::Error> {
             while words.next_element::<u32>()?.is_some() {}
-            Ok([0; 2])
+            Ok([0; 1])
         }
     }
-    deserializer.deserialize_tuple(2, Words)
+    deserializer.deserialize_tuple(1, Words)
 }
 
 const _: () = assert!(size_of::<PlotsHeader>() == 256 && align_of::<PlotsHeader>() == 64);

@@ -4,7 +4,7 @@
 //! radar-sim ──dwells──▶ plot-extractor ──plots──▶ tracker ──tracks──▶ recorder
 //!     └──truth──────────────────────────────────────────────┬────────────▲
 //!                                       other sites ──tracks─▶ fusion ───┘
-//! plot-source, replay, a program of the user's: any of these topics ──────┘
+//! video-source: dwells; plot-source, replay, a program of the user's: any of these topics ──┘
 //! any of these topics but dwells ──▶ link-out ──another host──▶ link-in ──▶ the same topics
 //! display: all topics, never waited for ──commands──▶ tracker ──actions──▶ recorder, display
 //! outputs: tracks and plots, never waited for
@@ -97,7 +97,7 @@ const fn never(topic: Topic) -> Input {
 }
 
 /// All stages, upstream first.
-pub const STAGES: [Stage; 11] = [
+pub const STAGES: [Stage; 12] = [
     Stage {
         name: "radar-sim",
         role: Role::Source(Source::RadarSim),
@@ -110,6 +110,7 @@ pub const STAGES: [Stage; 11] = [
         inputs: &[],
         outputs: &[Topic::Plots, Topic::Truth],
     },
+    Stage { name: "video-source", role: Role::Source(Source::VideoSource), inputs: &[], outputs: &[Topic::Dwells] },
     Stage {
         name: "replay",
         role: Role::Source(Source::Replay),
@@ -296,7 +297,7 @@ pub fn label(site: Option<&str>, process: &str) -> String {
 /// The topic that drives a site: what its source publishes, and the stages after it wait for.
 pub fn driving(chain: &ChainConfig) -> Topic {
     match chain.run.source {
-        Source::RadarSim => Topic::Dwells,
+        Source::RadarSim | Source::VideoSource => Topic::Dwells,
         Source::PlotSource | Source::External => Topic::Plots,
         Source::Fusion => Topic::Tracks,
         Source::Link => last_in_processing(&chain.link.receive),
@@ -340,6 +341,8 @@ mod tests {
     fn a_chain_has_the_stages_after_its_source() {
         assert_eq!(names(|_| {}), ["radar-sim", "plot-extractor", "tracker", "recorder"]);
         assert_eq!(names(|chain| chain.run.source = Source::PlotSource), ["plot-source", "tracker", "recorder"]);
+        let video = |chain: &mut ChainConfig| chain.run.source = Source::VideoSource;
+        assert_eq!(names(video), ["video-source", "plot-extractor", "tracker", "recorder"]);
         assert_eq!(names(|chain| chain.run.source = Source::External), ["tracker", "recorder"]);
         assert_eq!(names(|chain| chain.run.source = Source::Fusion), ["fusion", "recorder"]);
         assert_eq!(names(|chain| chain.run.source = Source::Link), ["link-in", "recorder"]);

@@ -10,6 +10,9 @@ pub fn to_db(ratio: f64) -> f64 {
     10.0 * ratio.log10()
 }
 
+/// Speed of light, m/s.
+pub const SPEED_OF_LIGHT_MPS: f64 = 299_792_458.0;
+
 /// Bytes in a MiB.
 pub const MIB: f64 = 1_048_576.0;
 

@@ -40,7 +40,8 @@ class DwellHeader(ctypes.Structure):
         ("ranges", ctypes.c_uint32),
         ("flags", ctypes.c_uint32),
         ("source_id", ctypes.c_uint32),
-        ("reserved", ctypes.c_uint32 * 12),
+        ("full_scale", ctypes.c_float),
+        ("reserved", ctypes.c_uint32 * 11),
     ]  # 192 bytes
 
 
@@ -91,7 +92,8 @@ class PlotsHeader(ctypes.Structure):
         ("left_out", ctypes.c_uint32),
         ("source_id", ctypes.c_uint32),
         ("range_rate_interval_mps", ctypes.c_double),
-        ("reserved", ctypes.c_uint32 * 2),
+        ("cfar", ctypes.c_uint32),
+        ("reserved", ctypes.c_uint32 * 1),
         ("padding", ctypes.c_uint8 * 16),
     ]  # 256 bytes
 
@@ -382,13 +384,14 @@ TOPICS = {
 STAGES = {
     "radar-sim": 0,
     "plot-source": 1,
-    "replay": 2,
-    "fusion": 3,
-    "link-in": 4,
-    "plot-extractor": 5,
-    "tracker": 6,
-    "link-out": 7,
-    "recorder": 8,
-    "display": 9,
-    "outputs": 10,
+    "video-source": 2,
+    "replay": 3,
+    "fusion": 4,
+    "link-in": 5,
+    "plot-extractor": 6,
+    "tracker": 7,
+    "link-out": 8,
+    "recorder": 9,
+    "display": 10,
+    "outputs": 11,
 }

@@ -8,7 +8,7 @@
 //!
 //! A box that is searched later brings only plots that no box before could have held, so that no volume counts twice.
 
-use common::amplitude::Detector;
+use common::amplitude::{Detector, NoiseEstimate};
 use common::angle;
 use common::config::GateRule;
 use rand::{Rng, RngExt};
@@ -158,12 +158,13 @@ impl<'a> Surround<'a> {
 /// q/q̄ of a noise cell over `threshold`: 1 + q/N falls as a power, or q exponentially with known noise (C4).
 fn noise_power_above(detector: &Detector, threshold: f64, rng: &mut impl Rng) -> f64 {
     let excess: f64 = Exp1.sample(rng);
-    match detector.reference_cells {
-        0 => threshold + excess,
-        cells => {
+    match detector.noise {
+        NoiseEstimate::Known => threshold + excess,
+        NoiseEstimate::Mean(cells) => {
             let n = f64::from(cells);
             n * ((1.0 + threshold / n) * (excess / n).exp() - 1.0)
         }
+        _ => detector.power_exceeded_by(detector.noise_survival(threshold) * (-excess).exp()),
     }
 }
 

@@ -1,4 +1,4 @@
-//! CFAR alone and the whole extraction of a dwell, on simulated dwells of `config/uav.toml`.
+//! Each CFAR alone and the whole extraction of a dwell, on simulated dwells of `config/uav.toml`.
 //!
 //! The limit is reading the amplitudes: 0.33 ns per cell from memory on a machine where a
 //! hand-written C kernel needs 0.62 from memory and 0.36 from cache.
@@ -6,11 +6,11 @@
 use std::convert::Infallible;
 use std::hint::black_box;
 
-use common::config::ChainConfig;
+use common::config::{Cfar, ChainConfig, ExtractorConfig};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use plot_extractor::PlotExtractor;
 use plot_extractor::centroid::{self, curvature};
-use plot_extractor::cfar::CaCfar;
+use plot_extractor::cfar::{CaCfar, Detector};
 use radar_sim::DwellSimulator;
 
 /// Dwells in turn: 25 MB, more than a second-level cache holds.
@@ -48,6 +48,24 @@ fn extract(criterion: &mut Criterion) {
             });
         });
         assert!(used == 1 || total > 0, "the scenario has targets in these dwells");
+    }
+    group.finish();
+
+    let mut group = criterion.benchmark_group("cfar_others");
+    group.throughput(Throughput::Elements(cells as u64));
+    for (name, cfar) in [("go", Cfar::Go), ("so", Cfar::So), ("os", Cfar::Os), ("clutter-map", Cfar::ClutterMap)] {
+        let mut detector = Detector::new(&ExtractorConfig { cfar, ..chain.extractor.clone() }, 70);
+        let (mut powers, mut hits) = (vec![0.0; cells], Vec::new());
+        let (mut next, mut total) = (0, 0);
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                hits.clear();
+                assert!(detector.detect(next as u32, black_box(&dwells[next]), &mut powers, &mut hits));
+                next = (next + 1) % dwells.len();
+                total += hits.len();
+            });
+        });
+        assert!(cfar == Cfar::ClutterMap || total > 0, "the scenario has targets in these dwells");
     }
     group.finish();
 

@@ -1,5 +1,6 @@
 //! The stages in order: dwell by dwell from amplitudes to the plots of a sector.
 
+use common::amplitude::NoiseEstimate;
 use common::angle;
 use common::config::{ExtractorConfig, RadarConfig};
 use common::dwell::DwellHeader;
@@ -9,15 +10,18 @@ use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, MAX_PLOTS, Plo
 use common::units::{NS_PER_S, to_db};
 
 use crate::centroid::{Offset, curvature, interpolate};
-use crate::cfar::{CaCfar, Hit};
+use crate::cfar::{Detector, Hit};
 use crate::clustering::{CellGrid, Cluster, Clustering};
 use crate::extent::{self, Axis};
+use crate::jamming;
 
 /// Turns dwells into plots. Allocates nothing per dwell once running.
 #[derive(Debug)]
 pub struct PlotExtractor {
     config: ExtractorConfig,
     radar: RadarConfig,
+    /// Cells whose mean would vary as the estimate of the noise does.
+    noise_cells: u32,
     stages: Option<Stages>,
     hits: Vec<Hit>,
     closed: Vec<Cluster>,
@@ -34,7 +38,7 @@ pub struct PlotExtractor {
 #[derive(Debug)]
 struct Stages {
     grid: CellGrid,
-    cfar: CaCfar,
+    cfar: Detector,
     clustering: Clustering,
     powers: Vec<f32>,
     powers_before: Vec<f32>,
@@ -55,9 +59,11 @@ struct Sector {
 impl PlotExtractor {
     /// An extractor for a radar with the responses of `radar`; cells come with the dwells.
     pub fn new(config: &ExtractorConfig, radar: &RadarConfig) -> Self {
+        let noise = NoiseEstimate::new(config.cfar, 2 * config.reference_cells);
         Self {
             config: config.clone(),
             radar: radar.clone(),
+            noise_cells: noise.equivalent_cells().round() as u32,
             stages: None,
             hits: Vec::new(),
             closed: Vec::new(),
@@ -118,10 +124,9 @@ impl PlotExtractor {
             ranges: header.ranges as usize,
         };
         if self.stages.as_ref().is_none_or(|stages| stages.grid != grid) {
-            let (guard, reference) = (self.config.guard_cells as usize, self.config.reference_cells as usize);
             self.stages = Some(Stages {
                 grid,
-                cfar: CaCfar::new(grid.ranges, guard, reference, self.config.pfa),
+                cfar: Detector::new(&self.config, grid.ranges),
                 clustering: Clustering::new(grid, self.config.max_dwells),
                 powers: vec![0.0; grid.cells()],
                 powers_before: vec![0.0; grid.cells()],
@@ -130,8 +135,14 @@ impl PlotExtractor {
         let stages = self.stages.as_mut()?;
         std::mem::swap(&mut stages.powers, &mut stages.powers_before);
         self.hits.clear();
-        if !stages.cfar.detect(amplitudes, &mut stages.powers, &mut self.hits) {
+        if !stages.cfar.detect(header.dwell, amplitudes, &mut stages.powers, &mut self.hits) {
             return Some(Reject::BadAmplitude);
+        }
+        if jamming::is_saturated(amplitudes, header.full_scale) {
+            return Some(Reject::Saturated);
+        }
+        if jamming::is_jammed(&self.hits, amplitudes.len(), grid.ranges, self.config.pfa) {
+            return Some(Reject::Jammed);
         }
         stages.clustering.add(header.seq, &self.hits, &stages.powers, &stages.powers_before, &mut self.closed);
         self.plot_closed(header);
@@ -154,9 +165,8 @@ impl PlotExtractor {
 
     /// Makes plots of the clusters that have closed; see [`plot_of`].
     fn plot_closed(&mut self, near: &DwellHeader) {
-        let noise_cells = 2 * self.config.reference_cells;
-        let Self { closed, plots, radar, .. } = self;
-        plots.extend(closed.drain(..).map(|cluster| plot_of(&cluster, near, radar, noise_cells)));
+        let Self { closed, plots, radar, noise_cells, .. } = self;
+        plots.extend(closed.drain(..).map(|cluster| plot_of(&cluster, near, radar, *noise_cells)));
     }
 
     /// Publishes what the sector has brought.
@@ -214,6 +224,7 @@ impl PlotExtractor {
                 0.0
             },
             reference_cells: 2 * self.config.reference_cells,
+            cfar: self.config.cfar as u32,
             scan: last.scan,
             sector: last.sector,
             sectors_per_scan: last.sectors_per_scan,

@@ -5,7 +5,7 @@
 //! dwell ─▶ cfar (hits) ─▶ clustering (one cluster per target) ─▶ centroid ─▶ plots of a sector
 //! ```
 //!
-//! Formulas: (C3), (C4) of `docs/theory/amplitude.md`, (C6), (C7) of `docs/theory/cells-and-plots.md`. The library knows no clock
+//! Formulas: (C3), (C4), (C8)-(C12) of `docs/theory/amplitude.md`, (C6), (C7), (C14) of `docs/theory/cells-and-plots.md`. The library knows no clock
 //! and no shared memory; [`process`] is the shell around it.
 
 pub mod centroid;
@@ -13,6 +13,7 @@ pub mod cfar;
 pub mod clustering;
 pub mod extent;
 pub mod extractor;
+pub mod jamming;
 pub mod process;
 pub mod replay;
 

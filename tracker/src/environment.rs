@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use common::amplitude::{Detector, TargetStatistics};
+use common::amplitude::{Detector, NoiseEstimate, TargetStatistics};
 use common::config::TrackerConfig;
 use common::plots::PlotsHeader;
 
@@ -54,7 +54,7 @@ impl Environment {
             measured: [true, true, cell[2] > 0.0, cell[3] > 0.0],
             range_rate_interval_mps: header.range_rate_interval_mps,
         };
-        let detector = Detector::new(pfa, header.reference_cells);
+        let detector = Detector::with(pfa, noise(header));
         let filter = family(config, &radar, header.scan_period_s);
         let base = config.clutter_floor.max(header.pfa);
         Self {
@@ -88,7 +88,7 @@ impl Environment {
         self.radar.cell == cells(header)
             && self.radar.range_rate_interval_mps == header.range_rate_interval_mps
             && self.detector.pfa == pfa(header)
-            && self.detector.reference_cells == header.reference_cells
+            && self.detector.noise == noise(header)
     }
 
     /// Probability that a pair of plots is a new target rather than two false plots:
@@ -180,6 +180,11 @@ fn pfa(header: &PlotsHeader) -> f64 {
     if header.pfa > 0.0 { header.pfa } else { UNKNOWN_PFA }
 }
 
+/// How the detector estimates the noise; messages of an unknown kind are refused ([`is_possible`]).
+fn noise(header: &PlotsHeader) -> NoiseEstimate {
+    NoiseEstimate::of(header).unwrap_or(NoiseEstimate::Known)
+}
+
 /// Whether a header can be worked with.
 pub(crate) fn is_possible(header: &PlotsHeader) -> bool {
     let within = |value: f64, low: f64, high: f64| value >= low && value <= high;
@@ -192,6 +197,7 @@ pub(crate) fn is_possible(header: &PlotsHeader) -> bool {
         && within(header.cell_range_rate_mps, 0.0, 1e6)
         && within(header.range_rate_interval_mps, 0.0, 1e7)
         && (header.pfa == 0.0 || within(header.pfa, 1e-100, 0.5))
+        && NoiseEstimate::of(header).is_some()
         && header.sectors_per_scan > 0
         && header.sector < header.sectors_per_scan
         && header.seq == u64::from(header.scan) * u64::from(header.sectors_per_scan) + u64::from(header.sector)

@@ -89,8 +89,15 @@ pub struct Received<'a> {
 }
 
 impl<'a> Recording<'a> {
-    /// Takes a file apart.
+    /// Takes a file apart and leaves out of a capture what is no ASTERIX.
     pub fn new(bytes: &'a [u8], editions: &Editions) -> Self {
+        let mut recording = Self::whole(bytes);
+        recording.leave_out_foreign(editions);
+        recording
+    }
+
+    /// Takes a file apart, with every datagram that is in it.
+    pub fn whole(bytes: &'a [u8]) -> Self {
         let form = Form::of(bytes);
         let mut recording =
             Self { form, datagrams: Vec::new(), lost: Vec::new(), other_packets: 0, foreign: BTreeMap::new() };
@@ -103,7 +110,6 @@ impl<'a> Recording<'a> {
             Form::Pcap => recording.take_packets(pcap::packets(bytes)),
             Form::PcapNg => recording.take_packets(pcapng::packets(bytes)),
         }
-        recording.leave_out_foreign(editions);
         recording
     }
 

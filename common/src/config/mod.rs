@@ -30,12 +30,13 @@ mod soak;
 mod supervision;
 mod tracker;
 mod turn;
+mod video_source;
 
 pub use bank::{BandwidthConfig, BankConfig, OutputRule};
 pub use budget::{Budget, BudgetConfig};
 pub use display::DisplayConfig;
 pub use explain::{explained, reference};
-pub use extractor::ExtractorConfig;
+pub use extractor::{Cfar, ExtractorConfig};
 pub use fusion::FusionConfig;
 pub use ipc::IpcConfig;
 pub use link::LinkConfig;
@@ -54,6 +55,7 @@ pub use soak::{MetricsConfig, SoakConfig};
 pub use supervision::{SupervisionConfig, WatchdogConfig};
 pub use tracker::*;
 pub use turn::TurnConfig;
+pub use video_source::VideoSourceConfig;
 
 use std::collections::BTreeMap;
 
@@ -70,7 +72,7 @@ pub struct ChainConfig {
     pub run: RunConfig,
     /// `[ipc]`: shared memory.
     pub ipc: IpcConfig,
-    /// `[radar]`: scan and resolution cells of the simulated radar.
+    /// `[radar]`: scan and resolution cells of the simulated radar, or of the one whose video is recorded.
     pub radar: RadarConfig,
     /// `[sim]`: targets and clutter.
     pub sim: SimConfig,
@@ -82,6 +84,8 @@ pub struct ChainConfig {
     pub recorder: RecorderConfig,
     /// `[plot_source]`: recordings of real radars.
     pub plot_source: PlotSourceConfig,
+    /// `[video_source]`: recordings of radar video; `[radar]` says how many dwells a turn has.
+    pub video_source: VideoSourceConfig,
     /// `[fusion]`: tracks of several sites to one set of system tracks.
     pub fusion: FusionConfig,
     /// `[link]`: topics to and from other hosts.
@@ -148,7 +152,7 @@ impl ChainConfig {
     /// Length of a scan of whichever source is configured, measurement time, s.
     pub fn scan_period_s(&self) -> f64 {
         match self.origin() {
-            Source::RadarSim => self.radar.scan_period_s,
+            Source::RadarSim | Source::VideoSource => self.radar.scan_period_s,
             Source::Fusion => self.fusion.cycle_s,
             Source::PlotSource | Source::External | Source::Link | Source::Replay => self.plot_source.scan_period_s,
         }
@@ -157,7 +161,7 @@ impl ChainConfig {
     /// Sectors in a scan of whichever source is configured.
     pub fn sectors_per_scan(&self) -> u32 {
         match self.origin() {
-            Source::RadarSim => self.radar.sectors_per_scan,
+            Source::RadarSim | Source::VideoSource => self.radar.sectors_per_scan,
             Source::Fusion => self.fusion.sectors,
             Source::PlotSource | Source::External | Source::Link | Source::Replay => self.plot_source.sectors_per_scan,
         }

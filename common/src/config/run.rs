@@ -15,6 +15,8 @@ pub enum Source {
     RadarSim,
     /// A real radar's recorded plots.
     PlotSource,
+    /// A real radar's recorded video through the plot extractor.
+    VideoSource,
     /// A recording of this program.
     Replay,
     /// The tracks of all other sites.
@@ -49,7 +51,7 @@ impl Mode {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RunConfig {
-    /// `radar-sim`, `plot-source`, `replay`, `fusion`: the tracks of all other sites, `link`: the same site on another
+    /// `radar-sim`, `plot-source`, `video-source`, `replay`, `fusion`: the tracks of all other sites, `link`: the same site on another
     /// host, or `external`: a program of the user's.
     pub source: Source,
     /// `lossless` or `real-time`.

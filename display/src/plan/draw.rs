@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use common::config::{ChainConfig, Source};
 
+use super::cells::Cells;
 use super::scale::{Scale, distance, round_step};
 use super::svg::Svg;
 use crate::picture::Picture;
@@ -43,6 +44,8 @@ pub(super) struct Plan<'a> {
     pub(super) picture: &'a Picture,
     pub(super) sites: &'a [ChainConfig],
     pub(super) trails: &'a Trails,
+    /// Cells of the last scan, by site.
+    pub(super) cells: &'a [Cells],
     /// What it shows, in a line: when, and of whom.
     pub(super) title: &'a str,
     /// Range of the plan about the first radar, m; `None` for what the radars cover.
@@ -64,6 +67,13 @@ impl Plan<'_> {
             middle: [SIDE / 2.0, HEAD + SIDE / 2.0],
             per_m: (SIDE / 2.0 - MARGIN) / range_m,
         };
+        let shade = if self.night { 90 } else { 150 };
+        for (site, cells) in self.picture.sites.iter().zip(self.cells) {
+            let [east, north, _] = site.place.position_m([0.0; 3]);
+            if let Some(image) = cells.image(&scale, range_m, [east, north], [0.0, HEAD], shade) {
+                svg.element("image", "", &[("y", &HEAD), ("width", &SIDE), ("height", &SIDE), ("href", &image)]);
+            }
+        }
         rings(&mut svg, &scale, range_m);
         for (number, site) in self.picture.sites.iter().enumerate() {
             self.site(&mut svg, &scale, number, site);
@@ -79,7 +89,8 @@ impl Plan<'_> {
             let [x, y, _] = site.place.position_m([0.0; 3]);
             let radar = &config.radar;
             let simulated_m = radar.range_first_m + f64::from(radar.ranges) * radar.range_step_m;
-            let own_m = if config.origin() == Source::RadarSim { simulated_m } else { farthest_m(site) };
+            let has_cells = matches!(config.origin(), Source::RadarSim | Source::VideoSource);
+            let own_m = if has_cells { simulated_m } else { farthest_m(site) };
             reach_m = reach_m.max(x.hypot(y) + own_m);
         }
         reach_m

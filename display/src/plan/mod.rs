@@ -1,5 +1,6 @@
 //! `radar-chain picture`: the plan of a recording at one time, without a browser.
 
+mod cells;
 mod draw;
 mod scale;
 mod svg;
@@ -14,6 +15,7 @@ use common::units::NS_PER_S;
 
 use crate::picture::Picture;
 use crate::view::{Deck, Tape, sites_and_extent};
+use cells::Cells;
 use draw::{Plan, Trails};
 
 /// What is drawn.
@@ -47,13 +49,14 @@ pub fn draw(files: &[PathBuf], request: &Request, out: &Path) -> anyhow::Result<
         return Err(BadInput(text).into());
     }
     let at_ns = (from_ns + (at_s * NS_PER_S) as u64).min(to_ns);
-    let (picture, trails) = picture_at(&sites, &tapes, at_ns, request.trail_s);
+    let (picture, trails, cells) = picture_at(&sites, &tapes, at_ns, request.trail_s);
     let when = jiff::Timestamp::from_millisecond((at_ns / 1_000_000) as i64).map(|time| time.to_string());
     let title = format!("{} · {}", sites.names().join(", "), when.unwrap_or_default());
     let plan = Plan {
         picture: &picture,
         sites: sites.all(),
         trails: &trails,
+        cells: &cells,
         title: &title,
         range_m: request.range_m,
         night: request.night,
@@ -61,10 +64,11 @@ pub fn draw(files: &[PathBuf], request: &Request, out: &Path) -> anyhow::Result<
     std::fs::write(out, plan.draw()).with_context(|| format!("writing {}", out.display()))
 }
 
-/// The picture at a time, and the ways of its tracks.
-fn picture_at(sites: &Sites, tapes: &[Tape], at_ns: u64, trail_s: f64) -> (Picture, Trails) {
+/// The picture at a time, the ways of its tracks, and the cells of each site that has recorded them.
+fn picture_at(sites: &Sites, tapes: &[Tape], at_ns: u64, trail_s: f64) -> (Picture, Trails, Vec<Cells>) {
     let from_ns = at_ns.saturating_sub((trail_s * NS_PER_S) as u64);
     let (mut picture, mut trails) = (Picture::new(sites), Trails::new());
+    let mut cells: Vec<Cells> = tapes.iter().map(|_| Cells::default()).collect();
     let mut deck = Deck::from(tapes, from_ns);
     while let Some((site, message)) = deck.next_until(at_ns) {
         if let Recorded::Tracks(header, tracks) = &message
@@ -75,7 +79,10 @@ fn picture_at(sites: &Sites, tapes: &[Tape], at_ns: u64, trail_s: f64) -> (Pictu
                 trails.entry((site, track.id)).or_default().push(place.position_m(track.position_m()));
             }
         }
+        if let Recorded::Dwells(header, amplitudes) = &message {
+            cells[site].take(header, amplitudes);
+        }
         picture.take(site, message.by_ref(), 0);
     }
-    (picture, trails)
+    (picture, trails, cells)
 }

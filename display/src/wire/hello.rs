@@ -155,10 +155,10 @@ impl Chain {
 impl Site {
     fn new(site: &ChainConfig, picture: &crate::picture::site::SitePicture) -> Self {
         let radar = &site.radar;
-        let has_cells = site.origin() == Source::RadarSim;
+        let has_cells = matches!(site.origin(), Source::RadarSim | Source::VideoSource);
         let cells = |count: u32| if has_cells { count } else { 0 };
         let (range_min_m, range_max_m) = match site.origin() {
-            Source::RadarSim => {
+            Source::RadarSim | Source::VideoSource => {
                 let first_edge = radar.range_first_m - radar.range_step_m / 2.0;
                 (first_edge.max(0.0), Some(first_edge + radar.range_step_m * f64::from(radar.ranges)))
             }
@@ -166,7 +166,7 @@ impl Site {
             _ => (0.0, None),
         };
         let budgets = LATENCY_NAMES.into_iter().zip(site.budget.all());
-        let measures_height = has_cells || site.origin() == Source::Fusion;
+        let measures_height = has_cells && radar.elevations > 1 || site.origin() == Source::Fusion;
         let models = picture.models.clone();
         Self {
             name: site.site.name.clone(),

@@ -34,6 +34,7 @@ const EXCESS: [f64; 9] = [0.0, 5.0, 10.0, 20.0, 30.0, 50.0, 75.0, 100.0, 150.0];
 struct Setting {
     swerling: Swerling,
     detector: Detector,
+    reference_cells: u32,
     snr_db: f64,
 }
 
@@ -41,7 +42,7 @@ impl Setting {
     fn case(&self) -> Case {
         Case::new()
             .with("pfa", self.detector.pfa)
-            .with("reference_cells", self.detector.reference_cells)
+            .with("reference_cells", self.reference_cells)
             .with("swerling", fluctuation::parameter(self.swerling))
             .with("snr_db", self.snr_db)
     }
@@ -53,12 +54,12 @@ impl Setting {
     }
 
     fn is_tail(&self) -> bool {
-        (self.detector.pfa, self.detector.reference_cells, self.snr_db) == TAIL
+        (self.detector.pfa, self.reference_cells, self.snr_db) == TAIL
     }
 
     /// The detections of [`TARGETS`] targets.
     fn simulate(&self, seed: u64, run: u32, index: u32, hits: &mut Vec<Hit>) {
-        let reference = self.detector.reference_cells as usize / 2;
+        let reference = self.reference_cells as usize / 2;
         let (half, ranges) = (GUARD + reference, 2 * (GUARD + reference) + 1);
         let mut rng = generator(seed, Purpose::Noise, run, 1 + index);
         let mut amplitudes = vec![0.0; TARGETS * ranges];
@@ -105,7 +106,7 @@ pub fn measure(options: &Options, runs_of_each: u32, progress: &Progress, result
     let first = results.rows.len();
     for (place, setting) in settings.iter().enumerate() {
         let detected = counts.iter().map(|run| run.detected[place]).sum();
-        let expected = setting.detection_probability(setting.detector.reference_cells);
+        let expected = setting.detection_probability(setting.reference_cells);
         results.rows.push(Row::proportion(&setting.case(), "pd", detected, trials).against(expected, "(C4), exact"));
     }
     let measured: Vec<(Setting, &Row)> = settings.iter().copied().zip(&results.rows[first..]).collect();
@@ -131,7 +132,7 @@ fn settings(options: &Options) -> Vec<Setting> {
             let detector = Detector::new(pfa, cells);
             for swerling in fluctuation::ALL {
                 for snr_db in options.some_of(&SNR_DB) {
-                    settings.push(Setting { swerling, detector, snr_db });
+                    settings.push(Setting { swerling, detector, reference_cells: cells, snr_db });
                 }
             }
         }
@@ -144,7 +145,7 @@ fn over_snr(pfa: f64, measured: &[(Setting, &Row)]) -> Figure {
     let panel = |swerling: Swerling| {
         let of = |cells: u32| {
             let same = move |setting: &Setting| {
-                (setting.swerling, setting.detector.reference_cells, setting.detector.pfa) == (swerling, cells, pfa)
+                (setting.swerling, setting.reference_cells, setting.detector.pfa) == (swerling, cells, pfa)
             };
             measured.iter().filter(move |(setting, _)| same(setting))
         };

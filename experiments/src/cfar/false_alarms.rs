@@ -75,7 +75,7 @@ pub fn measure(options: &Options, runs: u32, progress: &Progress, results: &mut 
         let row = Row::mean(&case, "mean_excess", excess);
         results.rows.push(row.against(detector.noise_mean_excess(), "(N + t₀)/(N − 1), amplitude.md"));
         let over: Vec<u64> = (0..EXCESS.len()).map(|place| of(index).map(|run| run.over[place]).sum()).collect();
-        tail.extend(tail_series(&detector, &over, colour as usize));
+        tail.extend(tail_series(&detector, cells, &over, colour as usize));
     }
     let known = Detector::new(PFA[TAIL_PFA], 0);
     let theory = EXCESS.map(|excess| [excess, known.noise_survival(known.threshold + excess) / known.pfa]);
@@ -132,8 +132,7 @@ fn one_run(options: &Options, scratch: &mut Scratch, run: u32) -> [Counts; REFER
 }
 
 /// Measured and theoretical share of false alarms beyond each excess.
-fn tail_series(detector: &Detector, over: &[u64], colour: usize) -> [Series; 2] {
-    let cells = detector.reference_cells;
+fn tail_series(detector: &Detector, cells: u32, over: &[u64], colour: usize) -> [Series; 2] {
     let theory = EXCESS.map(|excess| [excess, detector.noise_survival(detector.threshold + excess) / detector.pfa]);
     let measured = EXCESS.iter().zip(over).map(|(&excess, &count)| {
         let share = evaluation::proportion::wilson(count, over[0], crate::rows::LEVEL);

@@ -14,7 +14,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use common::amplitude::Detector;
+use common::amplitude::{Detector, NoiseEstimate};
 use common::config::{ChainConfig, Swerling};
 use common::plots::{Plot, PlotsHeader};
 use common::report::Detection;
@@ -210,7 +210,8 @@ impl PlotScore {
             let swerling = target.target_id.checked_sub(1).and_then(|index| self.swerling.get(index as usize));
             if let (Some(&swerling), true) = (swerling, cells.pfa > 0.0 && cells.pfa < 1.0) {
                 let snr = from_db(f64::from(target.snr_db));
-                let detector = Detector::new(cells.pfa, cells.reference_cells);
+                let noise = NoiseEstimate::of(cells).unwrap_or(NoiseEstimate::Known);
+                let detector = Detector::with(cells.pfa, noise);
                 self.expected += detector.target(swerling, snr).detection_probability;
             }
         }

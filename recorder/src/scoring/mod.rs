@@ -48,7 +48,7 @@ impl Scoring {
     /// Nothing seen yet.
     pub fn new(config: &ChainConfig) -> Self {
         let tracks = match config.origin() {
-            Source::PlotSource | Source::External => {
+            Source::PlotSource | Source::VideoSource | Source::External => {
                 TrackScore::Cooperative(Box::new(Cooperative::new(&config.recorder.scoring)))
             }
             Source::RadarSim | Source::Replay | Source::Fusion | Source::Link => {

@@ -13,7 +13,7 @@
 //!
 //! Nearest and strongest neighbour leave one candidate, which is the target's for certain: b = 0.
 
-use common::amplitude::{FalsePower, TargetStatistics, ca_cfar_factor};
+use common::amplitude::{FalsePower, TargetStatistics};
 use common::config::{Association, Clutter, GateRule, TrackerConfig};
 use common::tracks::{GATE_MOST_PROBABLE, GATE_NONE, GATE_UNION, GATE_WIDEST, GATE_WIDEST_FALLBACK, MODELS};
 
@@ -129,9 +129,7 @@ impl<F> Surroundings<'_, F> {
     /// ```
     pub fn scan_threshold(&self, cells: f64, most: f64) -> f64 {
         match self.target.map(TargetStatistics::detector) {
-            Some(detector) if most > 0.0 && cells * detector.pfa > most => {
-                ca_cfar_factor(detector.reference_cells, most / cells)
-            }
+            Some(detector) if most > 0.0 && cells * detector.pfa > most => detector.power_exceeded_by(most / cells),
             _ => 0.0,
         }
     }

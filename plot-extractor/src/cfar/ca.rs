@@ -28,16 +28,8 @@ use std::ops::Range;
 
 use common::amplitude::ca_cfar_factor;
 
-/// A cell over threshold.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
-    /// Index of the cell in its dwell.
-    pub cell: u32,
-    /// Power q in the cell.
-    pub power: f32,
-    /// Mean power q̄ of the reference cells.
-    pub noise: f32,
-}
+use super::rows::{BLOCK_ROWS, Rows, windows_of};
+use super::{Hit, square};
 
 /// No hull is longer, cells.
 pub const LONGEST_HULL: usize = 128;
@@ -48,15 +40,10 @@ const FREE: f32 = 2.0;
 /// Part of the threshold that is enough inside a hull.
 const INSIDE: f32 = 0.25;
 
-/// Rows worked on together: their padded powers stay in the first-level cache.
-const BLOCK_ROWS: usize = 8;
-
 /// CA-CFAR detector for dwells whose rows are range profiles of one length.
 #[derive(Debug, Clone)]
 pub struct CaCfar {
-    ranges: usize,
-    guard: usize,
-    reference: usize,
+    rows: Rows,
     /// α(n)/n by range cell: threshold = this times the sum of the reference cells.
     multipliers: Vec<f32>,
     /// `multipliers` for a block of padded rows; nothing exceeds the threshold of padding.
@@ -69,49 +56,31 @@ pub struct CaCfar {
     contrast: f32,
     /// Hulls of a row: first cell, last cell, sum of the free windows.
     hulls: Vec<(usize, usize, f32)>,
-    /// Powers of a block: `half` zeros, then each row followed by `half` zeros.
-    padded: Vec<f32>,
-    window: Vec<f32>,
-    doubled: Vec<f32>,
-    spare: Vec<f32>,
 }
 
 impl CaCfar {
     /// A detector over rows of `ranges` cells with `guard` and `reference` cells on each side.
     pub fn new(ranges: usize, guard: usize, reference: usize, pfa: f64) -> Self {
-        let half = guard + reference;
+        let rows = Rows::new(ranges, guard, reference);
         let multipliers: Vec<f32> = (0..ranges)
             .map(|cell| {
-                let cells = reference_cells(cell, ranges, guard, reference);
+                let cells = rows.reference_cells(cell);
                 if cells == 0 { f32::INFINITY } else { (ca_cfar_factor(cells as u32, pfa) / cells as f64) as f32 }
             })
             .collect();
-        let length = half + BLOCK_ROWS * (ranges + half);
-        let mut block_multipliers = vec![f32::INFINITY; length];
-        let mut edge_multipliers = block_multipliers.clone();
         let edge = (ca_cfar_factor(reference as u32, RARE * pfa) / reference as f64) as f32;
-        for row in 0..BLOCK_ROWS {
-            let start = half + row * (ranges + half);
-            block_multipliers[start..start + ranges].copy_from_slice(&multipliers);
-            if ranges > 2 * half {
-                edge_multipliers[start + half..start + ranges - half].fill(edge);
-            }
+        let mut edges = vec![f32::INFINITY; ranges];
+        if ranges > 2 * rows.half() {
+            edges[rows.half()..ranges - rows.half()].fill(edge);
         }
-        let zeros = vec![0.0; length + half + guard + 1];
         Self {
-            ranges,
-            guard,
-            reference,
+            block_multipliers: rows.in_block(&multipliers),
+            edge_multipliers: rows.in_block(&edges),
+            rows,
             multipliers,
-            block_multipliers,
             edge,
-            edge_multipliers,
             contrast: contrast(reference as u32, RARE * pfa) as f32,
             hulls: Vec::new(),
-            padded: zeros.clone(),
-            window: zeros.clone(),
-            doubled: zeros.clone(),
-            spare: zeros,
         }
     }
 
@@ -121,39 +90,30 @@ impl CaCfar {
     /// # Panics
     /// If `amplitudes` is not whole rows, or `powers` of another length.
     pub fn detect(&mut self, amplitudes: &[f32], powers: &mut [f32], hits: &mut Vec<Hit>) -> bool {
-        assert_eq!(amplitudes.len(), powers.len(), "one power per amplitude");
-        assert_eq!(amplitudes.len() % self.ranges, 0, "whole range profiles");
         if !square(amplitudes, powers) {
             return false;
         }
-        let half = self.guard + self.reference;
-        let stride = self.ranges + half;
-        let leading = half + self.guard + 1;
-        for (block, rows) in powers.chunks(BLOCK_ROWS * self.ranges).enumerate() {
-            let length = half + rows.len() / self.ranges * stride;
-            for (row, profile) in rows.chunks_exact(self.ranges).enumerate() {
-                let start = half + row * stride;
-                self.padded[start..start + self.ranges].copy_from_slice(profile);
-            }
-            let work = Windows { doubled: &mut self.doubled, spare: &mut self.spare };
-            window_sums(&self.padded, self.reference, &mut self.window, work, length + leading);
-            let (lagging, leading) = (&self.window[..length - half], &self.window[leading..]);
-            let (thresholds, edges) = (&self.block_multipliers[half..length], &self.edge_multipliers[half..length]);
-            if !any_over(&self.padded[half..length], lagging, leading, thresholds, (edges, self.contrast)) {
+        let (ranges, guard, reference, stride) =
+            (self.rows.ranges, self.rows.guard, self.rows.reference, self.rows.stride());
+        for (block, rows) in powers.chunks(BLOCK_ROWS * ranges).enumerate() {
+            let windows = self.rows.sum(rows);
+            let length = windows.powers.len();
+            let (thresholds, edges) = (&self.block_multipliers[..length], &self.edge_multipliers[..length]);
+            if !any_over(windows.powers, windows.lagging, windows.leading, thresholds, (edges, self.contrast)) {
                 continue;
             }
-            for row in 0..rows.len() / self.ranges {
-                let of_row = row * stride..row * stride + self.ranges;
+            for row in 0..rows.len() / ranges {
+                let of_row = row * stride..row * stride + ranges;
                 let row = Row {
-                    powers: &self.padded[half..][of_row.clone()],
-                    lagging: &lagging[of_row.clone()],
-                    leading: &leading[of_row],
+                    powers: &windows.powers[of_row.clone()],
+                    lagging: &windows.lagging[of_row.clone()],
+                    leading: &windows.leading[of_row],
                     multipliers: &self.multipliers,
                     edge: self.edge,
                     contrast: self.contrast,
-                    guard: self.guard,
-                    reference: self.reference,
-                    first_cell: (block * BLOCK_ROWS + row) * self.ranges,
+                    guard,
+                    reference,
+                    first_cell: (block * BLOCK_ROWS + row) * ranges,
                 };
                 row.find_hulls(&mut self.hulls);
                 row.detect(&self.hulls, hits);
@@ -238,75 +198,14 @@ impl Row<'_> {
         for cell in cells {
             let sum = self.lagging[cell] + self.leading[cell];
             if self.powers[cell] > self.multipliers[cell] * sum {
-                let count = reference_cells(cell, self.powers.len(), self.guard, self.reference);
-                hits.push(self.hit(cell, sum / count as f32));
+                let (before, after) = windows_of(cell, self.powers.len(), self.guard, self.reference);
+                hits.push(self.hit(cell, sum / (before + after) as f32));
             }
         }
     }
 
     fn hit(&self, cell: usize, noise: f32) -> Hit {
         Hit { cell: (self.first_cell + cell) as u32, power: self.powers[cell], noise }
-    }
-}
-
-/// Reference cells that exist for a cell of a row.
-fn reference_cells(cell: usize, ranges: usize, guard: usize, reference: usize) -> usize {
-    let lagging = cell.saturating_sub(guard).min(reference);
-    let leading = (ranges - 1 - cell).saturating_sub(guard).min(reference);
-    lagging + leading
-}
-
-/// Squares amplitudes; false if one is NaN, infinite or negative. Non-negative finite
-/// numbers are exactly those whose bits lie below those of infinity.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
-fn square(amplitudes: &[f32], powers: &mut [f32]) -> bool {
-    let mut largest = 0_u32;
-    for (power, &amplitude) in powers.iter_mut().zip(amplitudes) {
-        *power = amplitude * amplitude;
-        largest = largest.max(amplitude.to_bits());
-    }
-    largest < f32::INFINITY.to_bits()
-}
-
-/// Scratch of [`window_sums`].
-struct Windows<'a> {
-    doubled: &'a mut [f32],
-    spare: &'a mut [f32],
-}
-
-/// `window[i]` = Σ `values[i .. i + cells]`, for i < `length − cells`; sums of powers of two
-/// are built by doubling: s₂ᵢ = sᵢ + sᵢ₊… All terms are positive, so f32 loses at most a few
-/// units in the last place, which running sums beside a strong target would not.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
-fn window_sums(values: &[f32], cells: usize, window: &mut [f32], work: Windows<'_>, length: usize) {
-    let length = length.min(values.len()).min(window.len());
-    let (mut sums, mut next) = (work.doubled, work.spare);
-    let window = &mut window[..length];
-    sums[..length].copy_from_slice(&values[..length]);
-    let (mut rest, mut width, mut covered) = (cells, 1, 0);
-    loop {
-        if rest & 1 == 1 {
-            let part = &sums[covered..length];
-            if covered == 0 {
-                window.copy_from_slice(part);
-            } else {
-                for (window, &part) in window.iter_mut().zip(part) {
-                    *window += part;
-                }
-            }
-            covered += width;
-        }
-        rest >>= 1;
-        if rest == 0 {
-            return;
-        }
-        let (near, far) = (&sums[..length - width], &sums[width..length]);
-        for ((next, &near), &far) in next.iter_mut().zip(near).zip(far) {
-            *next = near + far;
-        }
-        next[length - width..length].copy_from_slice(&sums[length - width..length]);
-        std::mem::swap(&mut sums, &mut next);
-        width *= 2;
     }
 }
 

@@ -1,0 +1,267 @@
+//! A recording of radar video: its spokes with their places in the scan and their times.
+
+use std::path::Path;
+
+use asterix::cat240::{self, VideoRecord};
+use asterix::editions::Editions;
+use asterix::record::Record;
+use asterix::recording::{Datagram, Form, Recording};
+use asterix::recovery::{Unused, records};
+use common::config::ChainConfig;
+use common::dwell::DwellHeader;
+use common::health::{Reject, Rejected};
+use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM};
+use common::units::{DAY_NS, NS_PER_S};
+
+use crate::error::VideoError;
+use crate::spoke::Spoke;
+use crate::turning::Turning;
+use crate::{cat240 as spokes_of_records, halo};
+
+/// Spacings of spokes looked at to tell how many there are in a turn.
+const SPACINGS: usize = 4096;
+/// Their number may differ by this share from what is configured.
+const SPACING_TOLERANCE: f64 = 0.2;
+
+/// The spokes of a file that have a place in a scan, in order.
+#[derive(Debug)]
+pub struct VideoRecording {
+    dwells: Vec<(DwellHeader, Spoke)>,
+    rejected: Rejected,
+    unread: u64,
+    most_cells: usize,
+}
+
+impl VideoRecording {
+    /// Reads the file that the configuration names.
+    ///
+    /// # Errors
+    /// [`VideoError`]: there is no file, or no video in it, or its spokes are not those of the configuration.
+    pub fn open(chain: &ChainConfig) -> Result<Self, VideoError> {
+        if chain.video_source.file.is_empty() {
+            return Err(VideoError::NoFile);
+        }
+        let path = Path::new(&chain.video_source.file);
+        let bytes = std::fs::read(path).map_err(|cause| VideoError::Read { path: path.into(), cause })?;
+        Self::read(&bytes, path, chain)
+    }
+
+    /// The same of the bytes of a file; `path` is its name in errors.
+    ///
+    /// # Errors
+    /// As [`VideoRecording::open`].
+    pub fn read(bytes: &[u8], path: &Path, chain: &ChainConfig) -> Result<Self, VideoError> {
+        let recording = Recording::whole(bytes);
+        let mut found = Found { unread: recording.lost.len() as u64, ..Found::default() };
+        recording.datagrams.iter().for_each(|datagram| found.take(datagram, recording.form));
+        if found.spokes.is_empty() {
+            let what = match (bytes.len(), recording.form) {
+                (0, _) => "an empty file".into(),
+                (bytes, Form::Blocks) => format!("{bytes} bytes of something else"),
+                _ => format!("{} datagrams of something else", recording.datagrams.len()),
+            };
+            return Err(VideoError::NoVideo { path: path.into(), found: what });
+        }
+        let (expected, in_a_turn) = (chain.radar.dwells_per_scan, spokes_per_turn(&found.spokes));
+        if in_a_turn.is_some_and(|count| (count / f64::from(expected) - 1.0).abs() > SPACING_TOLERANCE) {
+            let found = in_a_turn.unwrap_or_default().round() as u32;
+            return Err(VideoError::Spokes { path: path.into(), found, expected });
+        }
+        Ok(Self::place(found, chain))
+    }
+
+    /// Places the spokes in scans and gives them times.
+    fn place(found: Found, chain: &ChainConfig) -> Self {
+        let Found { spokes, mut rejected, unread } = found;
+        let radar = &chain.radar;
+        let (dwells_per_scan, sectors_per_scan) = (radar.dwells_per_scan, radar.sectors_per_scan);
+        let mut turning = Turning::new(dwells_per_scan);
+        let mut placed: Vec<(u64, Spoke)> = Vec::with_capacity(spokes.len());
+        for spoke in spokes {
+            match turning.place(spoke.azimuth_rad) {
+                Some(place) => placed.push((place, spoke)),
+                None => rejected.count(Reject::Late),
+            }
+        }
+        rejected.count_many(Reject::Late, begin_at_north(&mut placed, dwells_per_scan));
+        let scan_period_s = measured_period_s(&placed, dwells_per_scan).unwrap_or(radar.scan_period_s);
+        let dwell_ns = scan_period_s / f64::from(dwells_per_scan) * NS_PER_S;
+        let epoch_ns = chain.run.epoch_s * 1_000_000_000;
+        let most_cells = placed.iter().map(|(_, spoke)| spoke.cells).max().unwrap_or(0);
+        let azimuth_step_rad = std::f64::consts::TAU / f64::from(dwells_per_scan);
+        let mut before_ns = 0;
+        let mut dwells: Vec<(DwellHeader, Spoke)> = Vec::with_capacity(placed.len());
+        for (seq, spoke) in placed {
+            let scan = (seq / u64::from(dwells_per_scan)) as u32;
+            let dwell = (seq % u64::from(dwells_per_scan)) as u32;
+            let sector_of =
+                |dwell: u32| (u64::from(dwell) * u64::from(sectors_per_scan) / u64::from(dwells_per_scan)) as u32;
+            let sector = sector_of(dwell);
+            let ends_scan = dwell + 1 == dwells_per_scan;
+            let ends_sector = ends_scan || sector_of(dwell + 1) != sector;
+            let time_ns = spoke.time_ns.map_or(epoch_ns + (seq as f64 * dwell_ns) as u64, |time_ns| {
+                time_ns.saturating_sub((f64::from(spoke.followers) * dwell_ns) as u64)
+            });
+            // Packets are late by different times; the beam passes one spoke after the other.
+            before_ns = time_ns.max(before_ns + 1);
+            let header = DwellHeader {
+                seq,
+                time_ns: before_ns,
+                azimuth_rad: (f64::from(dwell) + 0.5) * azimuth_step_rad,
+                azimuth_step_rad,
+                elevation_first_rad: 0.0,
+                elevation_step_rad: radar.elevation_step_deg.to_radians(),
+                range_rate_first_mps: 0.0,
+                range_rate_step_mps: radar.range_rate_step_mps,
+                range_first_m: spoke.range_first_m,
+                range_step_m: spoke.range_step_m,
+                scan_period_s,
+                scan,
+                dwell,
+                dwells_per_scan,
+                sector,
+                sectors_per_scan,
+                elevations: 1,
+                dopplers: 1,
+                ranges: spoke.cells as u32,
+                flags: if ends_sector { END_OF_SECTOR } else { 0 } | if ends_scan { END_OF_SCAN } else { 0 },
+                source_id: spoke.source_id,
+                full_scale: spoke.packing.full_scale(),
+                ..DwellHeader::default()
+            };
+            dwells.push((header, spoke));
+        }
+        let begin = dwells.partition_point(|(header, _)| header.scan < chain.run.first_scan);
+        dwells.drain(..begin);
+        if chain.run.scans > 0 {
+            dwells.truncate(dwells.partition_point(|(header, _)| header.scan < chain.run.scans));
+        }
+        if let Some((last, _)) = dwells.last_mut() {
+            last.flags |= END_OF_STREAM;
+        }
+        Self { dwells, rejected, unread, most_cells }
+    }
+
+    /// Headers and cells of the dwells that there are to publish, in order; sessions and stamps are the publisher's.
+    pub fn dwells(&self) -> &[(DwellHeader, Spoke)] {
+        &self.dwells
+    }
+
+    /// What was not used, by reason.
+    pub fn rejected(&self) -> &Rejected {
+        &self.rejected
+    }
+
+    /// Whether the file could be read to its end.
+    pub fn is_sound(&self) -> bool {
+        self.unread == 0
+    }
+
+    /// Parts of the file that could not be read.
+    pub fn unread(&self) -> u64 {
+        self.unread
+    }
+
+    /// Cells of the largest dwell.
+    pub fn most_cells(&self) -> usize {
+        self.most_cells
+    }
+}
+
+/// What a file holds.
+#[derive(Debug, Default)]
+struct Found {
+    spokes: Vec<Spoke>,
+    rejected: Rejected,
+    unread: u64,
+}
+
+impl Found {
+    fn take(&mut self, datagram: &Datagram<'_>, form: Form) {
+        if let Some(spokes) = halo::spokes(&datagram.bytes, datagram.time_ns) {
+            for spoke in spokes {
+                match spoke {
+                    Some(spoke) => self.spokes.push(spoke),
+                    None => self.rejected.count(Reject::BadHeader),
+                }
+            }
+            return;
+        }
+        // Of other datagrams on the network none begins with the category.
+        if form != Form::Blocks && datagram.bytes.first() != Some(&cat240::CATEGORY) {
+            return;
+        }
+        let editions = Editions::default();
+        for record in records(&editions, &datagram.bytes, datagram.offset) {
+            match record {
+                Ok(record) => self.take_record(&record, datagram.time_ns),
+                Err(Unused::Category { .. }) => self.rejected.count(Reject::OtherCategory),
+                Err(Unused::Unread { .. }) => self.unread += 1,
+            }
+        }
+    }
+
+    fn take_record(&mut self, record: &Record<'_>, received_ns: Option<u64>) {
+        if record.edition.category != cat240::CATEGORY {
+            self.rejected.count(Reject::OtherCategory);
+            return;
+        }
+        let Some(video) = VideoRecord::read(record) else {
+            self.rejected.count(Reject::NotATarget); // a summary
+            return;
+        };
+        let of_day = |steps: u32| u64::from(steps) * 1_000_000_000 / 128;
+        let time_ns = received_ns.or_else(|| {
+            let of_day_ns = video.time_of_day.map(|time| of_day(time.steps))?;
+            let before_ns = self.spokes.last().and_then(|spoke| spoke.time_ns).unwrap_or(0);
+            // Over midnight the day is the next one.
+            let days = (before_ns + DAY_NS / 2).saturating_sub(of_day_ns) / DAY_NS;
+            Some(days * DAY_NS + of_day_ns)
+        });
+        match spokes_of_records::spoke(&video, time_ns) {
+            Some(spoke) => self.spokes.push(spoke),
+            None => self.rejected.count(Reject::LengthMismatch),
+        }
+    }
+}
+
+/// Leaves out what comes before the first north, so that no dwell of the schedule is missing at the beginning, and counts on from there;
+/// how many spokes that were. A recording that never passes north stays as it is.
+fn begin_at_north(placed: &mut Vec<(u64, Spoke)>, dwells_per_scan: u32) -> u64 {
+    let turn = u64::from(dwells_per_scan);
+    let before = placed.partition_point(|&(place, _)| place < turn);
+    let begins_at_north = placed.first().is_none_or(|&(place, _)| place == 0);
+    if begins_at_north || before == placed.len() {
+        return 0;
+    }
+    placed.drain(..before);
+    for (place, _) in placed.iter_mut() {
+        *place -= turn;
+    }
+    before as u64
+}
+
+/// How many spokes a turn has by the median of their spacings.
+fn spokes_per_turn(spokes: &[Spoke]) -> Option<f64> {
+    let turn = std::f64::consts::TAU;
+    let mut spacings: Vec<f64> = spokes
+        .windows(2)
+        .take(SPACINGS)
+        .map(|pair| (pair[1].azimuth_rad - pair[0].azimuth_rad).rem_euclid(turn))
+        .filter(|&spacing| spacing > 0.0)
+        .collect();
+    if spacings.is_empty() {
+        return None;
+    }
+    let middle = spacings.len() / 2;
+    let (_, median, _) = spacings.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(turn / *median)
+}
+
+/// Time of a turn by the times of the first and last spoke, s; none without times, or of less than a turn.
+fn measured_period_s(placed: &[(u64, Spoke)], dwells_per_scan: u32) -> Option<f64> {
+    let ((first, begin), (last, end)) = (placed.first()?, placed.last()?);
+    let turns = (last - first) as f64 / f64::from(dwells_per_scan);
+    let time_s = end.time_ns?.checked_sub(begin.time_ns?)? as f64 / NS_PER_S;
+    (turns >= 1.0 && time_s > 0.0).then(|| time_s / turns)
+}
