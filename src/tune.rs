@@ -165,7 +165,7 @@ mod tests {
     fn numbers_have_the_digits_that_their_errors_allow() {
         assert_eq!(rounded(12.345_6, 0.034), "12.346");
         assert_eq!(rounded(12.345_6, 3.4), "12.3");
-        assert_eq!(rounded(1.234_5e-8, 2.0e-10), "1.234e-8");
+        assert_eq!(rounded(1.234_2e-8, 2.0e-10), "1.234e-8");
         for text in [rounded(0.5, 0.01), rounded(3e-9, 1e-10), rounded(400.0, 50.0)] {
             let set = format!("tracker.cv_noise_mps2={text}");
             let config = common::config::adjust(&ChainConfig::default(), std::slice::from_ref(&set)).expect(&set);
