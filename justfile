@@ -66,7 +66,7 @@ install:
 
 # Stop the chain and remove what `install` has put there, but for configuration, recordings and user
 uninstall:
-    -{{sudo}} systemctl disable --now radar-chain.target radar-chain-plot-source.service radar-chain-display.service radar-chain-link-in.service radar-chain-link-out.service
+    -{{sudo}} systemctl disable --now radar-chain.target radar-chain-plot-source.service radar-chain-video-source.service radar-chain-display.service radar-chain-link-in.service radar-chain-link-out.service
     {{sudo}} rm -rf {{lib}}/systemd/system/radar-chain*.service {{lib}}/systemd/system/radar-chain.target {{lib}}/systemd/system/radar-chain-.service.d
     {{sudo}} rm -f {{lib}}/sysusers.d/radar-chain.conf $(printf "/usr/local/bin/%s " radar-chain {{tools}})
     {{sudo}} rm -f /usr/local/share/bash-completion/completions/radar-chain /usr/local/share/zsh/site-functions/_radar-chain

@@ -140,7 +140,7 @@ fn of_key(key: &str, learnt: Option<Learnt>, before: f64) -> String {
 
 fn line(key: &str, value: &str, learnt: Learnt, before: &str) -> String {
     let assignment = format!("{key} = {value}");
-    format!("{assignment:<32}# ± {}, configuration {before}", rounded(learnt.error, learnt.error))
+    format!("{assignment:<31} # ± {}, configuration {before}", rounded(learnt.error, learnt.error))
 }
 
 fn number(learnt: Learnt) -> String {

@@ -45,7 +45,7 @@ fn units_are_clean_and_hardened() {
         command.arg(verb).arg(format!("--root={}", root.path().display())).args(more).arg(unit);
         output(&mut command)
     };
-    for stage in UNITS.into_iter().chain(["plot-source", "display", "outputs", "link-in", "link-out"]) {
+    for stage in UNITS.into_iter().chain(["plot-source", "video-source", "display", "outputs", "link-in", "link-out"]) {
         let verified = analyze("verify", &[], &unit(stage));
         assert!(
             verified.status.success() && verified.stdout.is_empty() && verified.stderr.is_empty(),

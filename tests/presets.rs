@@ -82,7 +82,9 @@ fn a_ferry_among_boats_and_what_its_recording_teaches() {
     let recording = bench.recordings().remove(0);
     let tune = |file: &Path| output(Command::new(env!("CARGO_BIN_EXE_radar-chain")).arg("tune").arg(file));
     let tuned = tune(&recording);
-    assert!(tuned.status.success(), "{}", text_of(&tuned));
+    // Ten minutes of two boats may not settle every parameter: then the code is 1, and the text says so.
+    let unsettled = text_of(&tuned).contains("have not settled");
+    assert_eq!(tuned.status.code(), Some(i32::from(unsettled)), "{}", text_of(&tuned));
     let text = String::from_utf8(tuned.stdout).expect("text");
     assert!(text.contains("sigma_azimuth_deg = ") && text.contains("detection_probability = "), "{text}");
     let file = bench.path("tuned.toml");
