@@ -44,7 +44,7 @@ const DEFAULT_CONFIG: &str = "config/uav.toml";
 ///   radar-chain recorder info recordings/FILE.mcap       what is in a recording
 ///   radar-chain tune recordings/FILE.mcap                parameters learnt from a recording
 ///   radar-chain asterix dump radar.pcap                  ASTERIX records as JSON lines
-///   radar-chain asterix play radar.ast udp://[::1]:8600  a recording onto the network
+///   radar-chain asterix play radar.ast udp://127.0.0.1:8600   a recording onto the network
 #[derive(Parser)]
 #[command(name = "radar-chain", version, verbatim_doc_comment, args_conflicts_with_subcommands = true)]
 struct Arguments {

@@ -9,7 +9,7 @@ use common::config::{ChainConfig, Source};
 use common::plots::{Plot, PlotsHeader};
 use common::process::{BadInput, EXIT_CHECK_BROKEN, print, say};
 use common::recording::{self, Recorded, parts_from};
-use tracker::tuning::{Found, Learnt, Lesson, Parameter, learn};
+use tracker::tuning::{Found, Learnt, Lesson, Parameter, allowed, learn};
 
 /// False plots of this variance over Poisson's lie in a few places.
 const UNEVEN: f64 = 3.0;
@@ -70,12 +70,12 @@ fn fragment(lesson: &Lesson, config: &ChainConfig) -> String {
         counts.scans
     );
     if lesson.rounds.is_none() {
-        text.push_str("# The parameters have not settled: expect them to be farther off than their errors say.\n");
+        text.push_str("# Errors of plots and motion have not settled: what was reached is in comments, farther off than its errors say.\n");
     }
     let mut tables: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     if let Some(share) = lesson.detection_probability {
-        let line =
-            line("detection_probability", &number(share), share, &config.tracker.detection_probability.to_string());
+        let value = rounded(allowed(share.value), share.error.max(1e-3));
+        let line = line("detection_probability", &value, share, &config.tracker.detection_probability.to_string());
         tables.entry("tracker").or_default().push(line);
     }
     if let Some(clutter) = lesson.clutter {
@@ -89,7 +89,10 @@ fn fragment(lesson: &Lesson, config: &ChainConfig) -> String {
         tables.entry("tracker").or_default().push(line);
     }
     for found in &lesson.found {
-        let (table, line) = of_parameter(found, config);
+        let (table, mut line) = of_parameter(found, config);
+        if lesson.rounds.is_none() && !line.starts_with('#') {
+            line.insert_str(0, "# ");
+        }
         tables.entry(table).or_default().push(line);
     }
     for (table, lines) in tables {

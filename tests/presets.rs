@@ -86,7 +86,8 @@ fn a_ferry_among_boats_and_what_its_recording_teaches() {
     let unsettled = text_of(&tuned).contains("have not settled");
     assert_eq!(tuned.status.code(), Some(i32::from(unsettled)), "{}", text_of(&tuned));
     let text = String::from_utf8(tuned.stdout).expect("text");
-    assert!(text.contains("sigma_azimuth_deg = ") && text.contains("detection_probability = "), "{text}");
+    assert!(text.contains("sigma_azimuth_deg = ") && text.contains("\ndetection_probability = "), "{text}");
+    assert_eq!(text.contains("\nsigma_azimuth_deg = "), !unsettled, "{text}");
     let file = bench.path("tuned.toml");
     std::fs::write(&file, &text).expect("a file");
     let taken = output(Command::new(env!("CARGO_BIN_EXE_radar-chain")).arg("config").arg("--config").arg(&file));

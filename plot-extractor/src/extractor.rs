@@ -133,13 +133,14 @@ impl PlotExtractor {
             });
         }
         let stages = self.stages.as_mut()?;
+        // Before a detector learns from it.
+        if jamming::is_saturated(amplitudes, header.full_scale) {
+            return Some(Reject::Saturated);
+        }
         std::mem::swap(&mut stages.powers, &mut stages.powers_before);
         self.hits.clear();
         if !stages.cfar.detect(header.dwell, amplitudes, &mut stages.powers, &mut self.hits) {
             return Some(Reject::BadAmplitude);
-        }
-        if jamming::is_saturated(amplitudes, header.full_scale) {
-            return Some(Reject::Saturated);
         }
         if jamming::is_jammed(&self.hits, amplitudes.len(), grid.ranges, self.config.pfa) {
             return Some(Reject::Jammed);

@@ -9,6 +9,8 @@ use flate2::read::ZlibDecoder;
 use crate::cells::Packing;
 use crate::spoke::Spoke;
 
+/// No spoke has more cells.
+const MOST_CELLS: usize = 1 << 16;
 /// No more octets come out of a compressed record: 2 MiB, half a million cells of 32 bits.
 const MOST_OCTETS: usize = 2 << 20;
 
@@ -17,9 +19,10 @@ pub fn spoke(record: &VideoRecord<'_>, time_ns: Option<u64>) -> Option<Spoke> {
     let octets = if record.is_compressed { unzip(record.octets)?.into() } else { Cow::Borrowed(record.octets) };
     let packing = Packing::asterix(record.bits);
     let cells = record.cells as usize;
-    if cells == 0 || packing.cells(octets.len()) < cells {
+    if cells == 0 || cells > MOST_CELLS || packing.cells(octets.len()) < cells {
         return None;
     }
+    let used = (cells * usize::from(record.bits)).div_ceil(8).min(octets.len());
     let range_step_m = record.cell_s * common::units::SPEED_OF_LIGHT_MPS / 2.0;
     Some(Spoke {
         time_ns,
@@ -30,7 +33,7 @@ pub fn spoke(record: &VideoRecord<'_>, time_ns: Option<u64>) -> Option<Spoke> {
         range_step_m,
         cells,
         packing,
-        octets: octets.as_ref().into(),
+        octets: octets[..used].into(),
     })
 }
 

@@ -7,6 +7,7 @@ use asterix::editions::Editions;
 use asterix::record::Record;
 use asterix::recording::{Datagram, Form, Recording};
 use asterix::recovery::{Unused, records};
+use asterix::report::TimeOfDay;
 use common::config::ChainConfig;
 use common::dwell::DwellHeader;
 use common::health::{Reject, Rejected};
@@ -89,6 +90,7 @@ impl VideoRecording {
         let epoch_ns = chain.run.epoch_s * 1_000_000_000;
         let most_cells = placed.iter().map(|(_, spoke)| spoke.cells).max().unwrap_or(0);
         let azimuth_step_rad = std::f64::consts::TAU / f64::from(dwells_per_scan);
+        let is_timed = placed.iter().any(|(_, spoke)| spoke.time_ns.is_some());
         let mut before_ns = 0;
         let mut dwells: Vec<(DwellHeader, Spoke)> = Vec::with_capacity(placed.len());
         for (seq, spoke) in placed {
@@ -99,9 +101,11 @@ impl VideoRecording {
             let sector = sector_of(dwell);
             let ends_scan = dwell + 1 == dwells_per_scan;
             let ends_sector = ends_scan || sector_of(dwell + 1) != sector;
-            let time_ns = spoke.time_ns.map_or(epoch_ns + (seq as f64 * dwell_ns) as u64, |time_ns| {
-                time_ns.saturating_sub((f64::from(spoke.followers) * dwell_ns) as u64)
-            });
+            let untimed_ns =
+                if is_timed { before_ns + dwell_ns as u64 } else { epoch_ns + (seq as f64 * dwell_ns) as u64 };
+            let time_ns = spoke
+                .time_ns
+                .map_or(untimed_ns, |time_ns| time_ns.saturating_sub((f64::from(spoke.followers) * dwell_ns) as u64));
             // Packets are late by different times; the beam passes one spoke after the other.
             before_ns = time_ns.max(before_ns + 1);
             let header = DwellHeader {
@@ -212,7 +216,8 @@ impl Found {
         };
         let of_day = |steps: u32| u64::from(steps) * 1_000_000_000 / 128;
         let time_ns = received_ns.or_else(|| {
-            let of_day_ns = video.time_of_day.map(|time| of_day(time.steps))?;
+            let time = video.time_of_day.filter(|time| time.steps < TimeOfDay::DAY)?;
+            let of_day_ns = of_day(time.steps);
             let before_ns = self.spokes.last().and_then(|spoke| spoke.time_ns).unwrap_or(0);
             // Over midnight the day is the next one.
             let days = (before_ns + DAY_NS / 2).saturating_sub(of_day_ns) / DAY_NS;

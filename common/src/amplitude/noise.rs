@@ -113,7 +113,7 @@ pub(super) struct Transform {
 }
 
 /// No message has more reference cells, of other kinds than CA-CFAR.
-const MOST_CELLS: u32 = 4096;
+const MOST_CELLS: u32 = 1024;
 /// Factors of a product below this one are taken together as a power series.
 const SMALL: f64 = 1e-3;
 /// Terms of a mixture below this part of their sum are left out.

@@ -14,6 +14,8 @@ use crate::picture::video::{DB_FIRST, DB_STEP, Gatherer, SectorVideo};
 
 /// Cells so strong over the noise, dB, begin to be seen, and are darkest.
 const SEEN_DB: [f64; 2] = [4.0, 30.0];
+/// A turn has no more lines.
+const MOST_LINES: usize = 1 << 16;
 /// Opacity of the darkest.
 const OPACITY: f64 = 230.0;
 
@@ -48,7 +50,10 @@ impl Cells {
         let any = self.sectors.values().flatten().next()?;
         let step_rad = any.azimuth_step_rad;
         let lines_per_scan = (TAU / step_rad).round() as usize;
-        let mut lines: Vec<Option<(&SectorVideo, usize)>> = vec![None; lines_per_scan.max(1)];
+        if !(1..=MOST_LINES).contains(&lines_per_scan) {
+            return None;
+        }
+        let mut lines: Vec<Option<(&SectorVideo, usize)>> = vec![None; lines_per_scan];
         for piece in self.sectors.values().flatten() {
             for line in 0..piece.lines() {
                 let azimuth_rad = piece.azimuth_first_rad + line as f64 * piece.azimuth_step_rad;

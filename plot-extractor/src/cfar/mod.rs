@@ -80,7 +80,7 @@ impl Detector {
     }
 }
 
-/// Squares amplitudes; false if one is NaN, infinite or negative. Non-negative finite
+/// Squares amplitudes; false if one is NaN, infinite, negative or too great to be squared. Non-negative finite
 /// numbers are exactly those whose bits lie below those of infinity.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
 fn square(amplitudes: &[f32], powers: &mut [f32]) -> bool {
@@ -88,7 +88,7 @@ fn square(amplitudes: &[f32], powers: &mut [f32]) -> bool {
     let mut largest = 0_u32;
     for (power, &amplitude) in powers.iter_mut().zip(amplitudes) {
         *power = amplitude * amplitude;
-        largest = largest.max(amplitude.to_bits());
+        largest = largest.max(amplitude.to_bits()).max(power.to_bits());
     }
     largest < f32::INFINITY.to_bits()
 }

@@ -42,6 +42,8 @@ impl Likelihood {
         let gap_s = LONGEST_GAP * ways.period_s;
         let pieces =
             ways.all.iter().flat_map(|way| way.chunk_by(move |a, b| seconds_between(a.time_ns, b.time_ns) <= gap_s));
+        // Long ones are cut, so that some of all tracks are taken, and enough to be left out in turn.
+        let pieces = pieces.flat_map(|piece| piece.chunks(most.div_ceil(4 * GROUPS).max(3)));
         let pieces: Vec<Way> = pieces.filter(|piece| piece.len() > 2).map(<[Measurement]>::to_vec).collect();
         let all: usize = pieces.iter().map(Vec::len).sum();
         let share = (most as f64 / all.max(1) as f64).min(1.0);

@@ -79,12 +79,18 @@ pub struct Lesson {
 }
 
 impl Lesson {
-    /// A configuration with what the recording tells.
+    /// Errors and motion, if they have settled.
+    fn settled(&self) -> impl Iterator<Item = (Parameter, Learnt)> {
+        let found = self.found.iter().filter(|_| self.rounds.is_some());
+        found.filter_map(|found| Some((found.parameter, found.learnt?)))
+    }
+
+    /// A configuration with what the recording tells. Parameters that have not settled stay as they are.
     #[must_use]
     pub fn applied_to(&self, config: &TrackerConfig) -> TrackerConfig {
         let mut config = config.clone();
-        for (found, learnt) in self.found.iter().filter_map(|found| Some((found, found.learnt?))) {
-            found.parameter.set(&mut config, learnt.value);
+        for (parameter, learnt) in self.settled() {
+            parameter.set(&mut config, learnt.value);
         }
         if let Some(share) = self.detection_probability {
             config.detection_probability = allowed(share.value);
@@ -92,11 +98,11 @@ impl Lesson {
         config
     }
 
-    /// Factors on the errors that plots state: range, azimuth, elevation; 1 where the recording does not tell.
+    /// Factors on the errors that plots state: range, azimuth, elevation; 1 where the recording does not tell, or they have not settled.
     pub fn scales(&self) -> [f64; ERRORS] {
         let mut scales = [1.0; ERRORS];
-        for found in &self.found {
-            if let (Parameter::Error(axis), Some(learnt)) = (found.parameter, found.learnt) {
+        for (parameter, learnt) in self.settled() {
+            if let Parameter::Error(axis) = parameter {
                 scales[axis] = learnt.value;
             }
         }
@@ -105,7 +111,7 @@ impl Lesson {
 }
 
 /// A probability of detection that the tracker takes.
-fn allowed(share: f64) -> f64 {
+pub fn allowed(share: f64) -> f64 {
     share.clamp(0.05, 0.999)
 }
 
@@ -123,6 +129,11 @@ pub enum TuneError {
         /// Plots of confirmed tracks.
         found: usize,
     },
+    /// The plots are impossible with the configuration: nothing can be searched from there.
+    #[error(
+        "the tracks of the recording are impossible with the configured motion: expected another `[tracker]` to begin with"
+    )]
+    Impossible,
 }
 
 /// Learns from recordings of one radar, each a run of its own. `say` is told of each round in a line.
@@ -158,12 +169,15 @@ pub fn learn(
             let at = parameter::with(config, &parameters, &point);
             let is_possible = at.check().is_ok()
                 && start.iter().zip(&point).all(|(start, now)| (now - start).abs() <= parameter::FARTHEST)
-                && parameter::is_told_apart(&at, ways.period_s);
+                && parameter::is_told_apart(&at, config, ways.period_s);
             let scales = parameter::scales(&parameters, &point);
             if is_possible { likelihood.of(&at, scales, without) } else { f64::NEG_INFINITY }
         };
         let begin: Vec<f64> = free.iter().map(|&index| point[index]).collect();
         let of = |of_free: &[f64]| judge(of_free, None);
+        if !of(&begin).is_finite() {
+            return Err(TuneError::Impossible);
+        }
         let found = search::greatest(&begin, STEP, of);
         let moved = begin.iter().zip(&found).map(|(before, now)| (now - before).abs()).fold(0.0, f64::max);
         point = all(&found);
@@ -182,6 +196,10 @@ pub fn learn(
             free = told;
             point =
                 (0..start.len()).map(|index| if free.contains(&index) { point[index] } else { start[index] }).collect();
+            // Tracks are made anew with the values that count.
+            let share = tuned.detection_probability;
+            tuned = parameter::with(config, &parameters, &point);
+            tuned.detection_probability = share;
             since = 0;
             continue;
         }

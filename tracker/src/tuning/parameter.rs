@@ -63,14 +63,18 @@ pub(super) fn of(config: &TrackerConfig, has_elevation: bool) -> Vec<Parameter> 
     (0..errors).map(Parameter::Error).chain(motion.iter().copied()).collect()
 }
 
-/// Whether the turn rates of a configuration are slow enough to be told from jumps: up to an eighth of a turn in a scan.
-pub(super) fn is_told_apart(config: &TrackerConfig, period_s: f64) -> bool {
-    let fastest_deg = match config.estimator {
+/// Whether turn rates are slow enough to be told from jumps: up to an eighth of a turn in a scan, or as fast as those of the
+/// configuration that the search begins with.
+pub(super) fn is_told_apart(config: &TrackerConfig, begin: &TrackerConfig, period_s: f64) -> bool {
+    fastest_deg_per_s(config) * period_s <= (fastest_deg_per_s(begin) * period_s).max(45.0)
+}
+
+fn fastest_deg_per_s(config: &TrackerConfig) -> f64 {
+    match config.estimator {
         Estimator::ImmTurn | Estimator::SwitchingGrid => greatest(&config.turn.rates_deg_per_s),
         Estimator::AdaptiveGrid => config.turn.greatest_rate_deg_per_s,
         _ => 0.0,
-    };
-    fastest_deg * period_s <= 45.0
+    }
 }
 
 /// The configuration at a point of the search.
