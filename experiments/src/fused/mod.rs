@@ -1,9 +1,9 @@
 //! `fusion`: tracks of several radars against the truth: what fusion is worth, and what breaks it.
 //!
-//! - [`rules`]: rules that make one estimate of several (F6), by radars and manoeuvres, where it is known whose tracks they are.
-//! - [`association`]: number of system tracks and wrong attachments with and without registration (F5), (F7), with wrong
+//! - `rules`: rules that make one estimate of several (F6), by radars and manoeuvres, where it is known whose tracks they are.
+//! - `association`: number of system tracks and wrong attachments with and without registration (F5), (F7), with wrong
 //!   coordinates of the radars (F1), and in formations (F9).
-//! - [`classes`]: the class of a target from several declarations (F10).
+//! - `classes`: the class of a target from several declarations (F10).
 
 mod association;
 mod classes;
