@@ -89,7 +89,8 @@ fn a_recording_is_moved_to_any_time_and_played_to_its_end() {
 
     let period_s = hello["sites"][0]["scan_period_s"].as_f64().expect("a period");
     let stepped_s = ask(&mut viewer, &json!({"step": "scan", "by": 2}));
-    assert!((period_s * 0.9..=period_s * 3.1).contains(&(stepped_s - middle_s)), "{stepped_s} after {middle_s}");
+    // Plots may be recorded some sectors ahead of the tracks that end a scan.
+    assert!((period_s * 0.9..=period_s * 5.1).contains(&(stepped_s - middle_s)), "{stepped_s} after {middle_s}");
     let back_s = ask(&mut viewer, &json!({"step": "scan", "by": -1}));
     assert!((stepped_s - back_s - period_s).abs() < 1e-3, "{back_s} before {stepped_s}");
 
