@@ -118,11 +118,17 @@ impl State {
         self.greeted = true;
     }
 
-    /// Forgets what waits: it is of a picture that is no more.
+    /// Forgets what waits, but for the greeting: it is of a picture that is no more.
     pub(super) fn clear(&mut self) {
+        let is_greeting =
+            |message: &Message| message.to_text().is_ok_and(|text| text.starts_with(r#"{"type":"hello""#));
+        let greeting = self.queue.iter().find(|message| is_greeting(message)).cloned();
         self.queue.clear();
         self.video.clear();
         (self.bytes, self.behind) = (0, false);
+        if let Some(greeting) = greeting {
+            self.push_always(greeting);
+        }
     }
 
     /// What it has not been told yet of messages that it was not sent: how many in all.
