@@ -52,6 +52,7 @@ pub mod cat048;
 pub mod cat062;
 pub mod cat065;
 pub mod cat240;
+pub mod clock;
 pub mod definition;
 pub mod editions;
 pub mod error;

@@ -13,13 +13,13 @@ use std::path::Path;
 
 use anyhow::Context;
 use asterix::cat010::VELOCITY_STEP_MPS;
+use asterix::clock::DayClock;
 use asterix::recording::Recording;
 use asterix::report::{Message, TargetReport};
 use common::config;
 use common::recording::RecordedRef;
 use common::recording::jsonl::Writer;
 use common::tracks::{CONFIRMED, TENTATIVE, Track, TracksHeader};
-use plot_source::clock::DayClock;
 use plot_source::contents::editions;
 
 fn main() -> anyhow::Result<()> {

@@ -12,7 +12,6 @@
 //! counted to the byte, what cannot be used is counted by reason.
 
 pub mod antenna;
-pub mod clock;
 pub mod contents;
 pub mod continuity;
 pub mod error;
@@ -24,6 +23,7 @@ pub mod live;
 pub mod network;
 pub mod process;
 pub mod radar;
+pub mod radar_clock;
 pub mod registration;
 pub mod repeats;
 pub mod rotation;

@@ -59,7 +59,7 @@ pub(crate) fn run(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
             if line < radar_lines {
                 radar.take(datagram, now_ns);
             } else {
-                truth.take(datagram, now_ns, radar.present_ns(now_ns), |time| radar.set_time_ns(time, now_ns));
+                truth.take(datagram, now_ns, radar.clock());
             }
         })?;
         radar.close_due(clock.now_ns(), &mut closed);

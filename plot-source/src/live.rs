@@ -14,30 +14,24 @@ use asterix::block::Blocks;
 use asterix::editions::{EditionError, Editions};
 use asterix::record::{Record, Records};
 use asterix::recovery::Cause;
-use asterix::report::{Artificial, Message, Service, ServiceMessage, SourceId, TargetReport, TimeOfDay};
+use asterix::report::{Artificial, Message, Service, ServiceMessage, SourceId, TargetReport};
 use common::angle;
 use common::config::ChainConfig;
 use common::health::{Reject, Rejected};
 use common::plots::{MAX_PLOTS, Plot, PlotsHeader};
-use common::units::{DAY_NS, NS_PER_S};
+use common::units::NS_PER_S;
 
 use crate::antenna::{Antenna, Change, Fix, turned};
-use crate::clock::DayClock;
 use crate::contents::{editions, reason};
 use crate::habits::Habits;
 use crate::level::AmplitudeLevel;
 use crate::radar::{Report, is_of, is_used};
+use crate::radar_clock::RadarClock;
 use crate::registration::Registration;
 use crate::repeats::Repeats;
 use crate::sectors::{SectorLayout, Sighting};
 use crate::turning::norths;
 
-/// A clock that differs by more than this from what it did is set, if it stays so, ns.
-const CLOCK_SET_NS: i64 = 1_000_000_000;
-/// Messages in a row that agree about it, after which it has been set.
-const CLOCK_SET_MESSAGES: u32 = 3;
-/// Share by which the delay of messages grows towards that of the latest: the least of the last ones counts.
-const DELAY_GROWTH: f64 = 1e-3;
 /// Turns in which the expected lateness of reports falls to 1/e.
 const LATENESS_FADES: f64 = 60.0;
 /// Reports are waited for this many times as long as the latest of the last ones took.
@@ -97,7 +91,7 @@ pub struct LiveRadar {
     editions: Editions,
     source: Option<SourceId>,
     azimuth_bias_rad: f64,
-    clock: Option<RadarClock>,
+    clock: RadarClock,
     antenna: Antenna,
     /// Measurement time of the last message of the antenna.
     service_ns: Option<i64>,
@@ -128,17 +122,6 @@ pub struct LiveRadar {
     events: Events,
 }
 
-/// The radar's clock beside that of this computer.
-#[derive(Debug)]
-struct RadarClock {
-    /// Added to the radar's clock.
-    offset_ns: i64,
-    /// How long messages are on their way, ns; may be negative: clocks differ.
-    delay_ns: f64,
-    /// Another delay, ns, and the messages in a row that had it.
-    other: Option<(f64, u32)>,
-}
-
 impl LiveRadar {
     /// The radar of a configuration.
     ///
@@ -151,7 +134,7 @@ impl LiveRadar {
             editions: editions(plot_source)?,
             source,
             azimuth_bias_rad: Registration::new(&plot_source.registration).azimuth_bias_rad(),
-            clock: None,
+            clock: RadarClock::default(),
             antenna: Antenna::new(plot_source.scan_period_s * NS_PER_S),
             service_ns: None,
             unturned: 0,
@@ -182,7 +165,7 @@ impl LiveRadar {
 
     /// What has happened.
     pub fn events(&self) -> Events {
-        self.events
+        Events { clock_set: self.clock.times_set(), ..self.events }
     }
 
     /// The radar that is listened to, once it is known.
@@ -267,41 +250,9 @@ impl LiveRadar {
         }
     }
 
-    /// Measurement time of now, as far as messages tell how long they are on their way.
-    pub fn present_ns(&self, now_ns: u64) -> i64 {
-        now_ns as i64 - self.clock.as_ref().map_or(0.0, |clock| clock.delay_ns) as i64
-    }
-
-    /// Measurement time of a time of day, by the clock as it is set at present.
-    pub fn set_time_ns(&self, time: TimeOfDay, now_ns: u64) -> i64 {
-        let offset_ns = self.clock.as_ref().map_or(0, |clock| clock.offset_ns);
-        let expected_ns = self.present_ns(now_ns) - offset_ns;
-        DayClock::near(now_ns - now_ns % DAY_NS, expected_ns).time_ns(time) + offset_ns
-    }
-
-    /// Measurement time of a time of day of the radar, whose clock may be set.
-    fn time_ns(&mut self, time: TimeOfDay, now_ns: u64) -> Result<i64, Reject> {
-        let time_ns = self.set_time_ns(time, now_ns);
-        let delay_of = |time_ns: i64| (now_ns as i64 - time_ns) as f64;
-        let clock =
-            self.clock.get_or_insert_with(|| RadarClock { offset_ns: 0, delay_ns: delay_of(time_ns), other: None });
-        let delay_ns = delay_of(time_ns);
-        let agrees = |other_ns: f64| (delay_ns - other_ns).abs() <= CLOCK_SET_NS as f64;
-        if agrees(clock.delay_ns) {
-            clock.other = None;
-            clock.delay_ns = delay_ns.min(clock.delay_ns + DELAY_GROWTH * (delay_ns - clock.delay_ns).max(0.0));
-            return Ok(time_ns);
-        }
-        let messages = clock.other.filter(|&(other_ns, _)| agrees(other_ns)).map_or(1, |(_, messages)| messages + 1);
-        if messages < CLOCK_SET_MESSAGES {
-            clock.other = Some((delay_ns, messages));
-            return Err(Reject::NoTime); // it may be a single wrong one
-        }
-        self.events.clock_set += 1;
-        let by_ns = (delay_ns - clock.delay_ns) as i64;
-        clock.offset_ns += by_ns;
-        clock.other = None;
-        Ok(time_ns + by_ns)
+    /// The radar's clock.
+    pub fn clock(&self) -> &RadarClock {
+        &self.clock
     }
 
     fn service(&mut self, message: &ServiceMessage, now_ns: u64) -> Result<(), Reject> {
@@ -311,8 +262,8 @@ impl LiveRadar {
             _ => return Err(Reject::NotATarget),
         };
         let time_ns = match message.time_of_day {
-            Some(time) => self.time_ns(time, now_ns)?,
-            None => self.present_ns(now_ns),
+            Some(time) => self.clock.take(time, now_ns)?,
+            None => self.clock.present_ns(now_ns),
         };
         self.service_ns = Some(time_ns);
         if let Some(turn_s) = message.turn_s {
@@ -344,7 +295,7 @@ impl LiveRadar {
     }
 
     fn target(&mut self, report: &TargetReport, now_ns: u64) -> Result<(), Reject> {
-        let time_ns = report.time_of_day.map(|time| self.time_ns(time, now_ns)).transpose()?;
+        let time_ns = report.time_of_day.map(|time| self.clock.take(time, now_ns)).transpose()?;
         self.habits.learn(report, time_ns);
         self.reports += 1;
         self.with_range_rate += u64::from(report.radial_velocity_mps.is_some());
@@ -364,7 +315,7 @@ impl LiveRadar {
             is_artificial: report.artificial != Artificial::default(),
             address: report.address.unwrap_or(0),
         };
-        let present_ns = self.present_ns(now_ns);
+        let present_ns = self.clock.present_ns(now_ns);
         let silence_ns = self.service_ns.map_or(f64::INFINITY, |service_ns| (present_ns - service_ns) as f64);
         let has_service = silence_ns < SILENT_TURNS * self.antenna.turn_ns();
         if !self.antenna.is_locked() {
@@ -484,7 +435,7 @@ impl LiveRadar {
     /// When the next sector must be closed, if nothing closes it before; UTC of this computer.
     pub fn due_ns(&self) -> Option<u64> {
         let next = self.next?;
-        let delay_ns = self.clock.as_ref().map_or(0.0, |clock| clock.delay_ns) as i64;
+        let delay_ns = self.clock.delay_ns();
         let latency_ns = (self.config.plot_source.latency_s * NS_PER_S) as i64;
         let by_turn = (self.end_ns(next) + delay_ns + latency_ns).max(0) as u64;
         let wait_ns = (self.config.plot_source.sector_delay_s * NS_PER_S).max(LATENESS_MARGIN * self.lateness_ns);

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use asterix::clock::DayClock;
 use asterix::editions::Editions;
 use asterix::recording::Recording;
 use asterix::report::{Artificial, Message, Service, ServiceMessage, SourceId, TargetReport};
@@ -9,7 +10,6 @@ use common::angle;
 use common::config::{PlotSourceConfig, SiteConfig};
 use common::health::{Reject, Rejected};
 
-use crate::clock::DayClock;
 use crate::contents::Contents;
 use crate::habits::{Habits, RangeRates};
 use crate::scan_lines::ScanLines;

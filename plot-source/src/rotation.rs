@@ -20,10 +20,10 @@
 
 use std::f64::consts::TAU;
 
+use asterix::clock::STEP_NS;
 use common::units::NS_PER_S;
 
 use crate::antenna::FARTHEST;
-use crate::clock::STEP_NS;
 use crate::continuity::Gap;
 use crate::radar::{Cycle, Report};
 

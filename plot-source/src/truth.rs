@@ -8,6 +8,7 @@
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 
+use asterix::clock::DayClock;
 use asterix::editions::{EditionError, Editions};
 use asterix::recording::{Received, Recording};
 use asterix::recovery::records;
@@ -17,8 +18,8 @@ use common::health::{Reject, Rejected};
 use common::truth::{AIRBORNE, MAX_TARGETS, MODE_UNKNOWN, ON_GROUND, PLANAR, TruthTarget, VEHICLE, VISIBLE};
 use nalgebra::Vector3;
 
-use crate::clock::DayClock;
 use crate::contents::{Contents, editions};
+use crate::radar_clock::RadarClock;
 use crate::registration::Registration;
 use crate::repeats::Repeats;
 
@@ -99,9 +100,8 @@ impl LiveTruth {
         })
     }
 
-    /// Takes a datagram that arrived at `now_ns`, at measurement time `present_ns`; `time_of` says the measurement time of a time of
-    /// day, ns.
-    pub fn take(&mut self, datagram: &[u8], now_ns: u64, present_ns: i64, time_of: impl Fn(TimeOfDay) -> i64) {
+    /// Takes a datagram that arrived at `now_ns`; times are those of the radar's clock.
+    pub fn take(&mut self, datagram: &[u8], now_ns: u64, clock: &RadarClock) {
         let editions = Arc::clone(&self.editions);
         for record in records(&editions, datagram, 0) {
             if let Ok(record) = &record
@@ -111,8 +111,8 @@ impl LiveTruth {
             }
             let received = record.map(|record| Received { record, time_ns: None, destination: None });
             let message = self.contents.take(received, &mut self.rejected);
-            match message.and_then(|message| self.decoder.target(&message, &time_of)) {
-                Ok(target) => self.wait(target, present_ns),
+            match message.and_then(|message| self.decoder.target(&message, |time| clock.time_ns(time, now_ns))) {
+                Ok(target) => self.wait(target, clock.present_ns(now_ns)),
                 Err(reason) => self.rejected.count(reason),
             }
         }

@@ -1,8 +1,8 @@
 //! When the datagrams of a recording were sent, by the times of day in them.
 
+use asterix::clock::DayClock;
 use asterix::report::TimeOfDay;
 use common::units::{DAY_NS, NS_PER_S};
-use plot_source::clock::DayClock;
 
 /// Times that differ by more from those around them are wrong, or the clock was set, or the recording paused.
 const JUMP_NS: i64 = 10 * NS_PER_S as i64;

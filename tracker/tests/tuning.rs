@@ -41,6 +41,20 @@ fn normal(rng: &mut dyn Rng) -> f64 {
 }
 
 impl World {
+    /// Targets in straight flight, among false plots.
+    fn straight() -> Self {
+        Self {
+            sigma_range_m: 8.0,
+            sigma_azimuth_rad: 2.5e-3,
+            noise_mps2: 0.5,
+            rates: vec![0.0],
+            stay: 1.0,
+            detection_probability: 0.85,
+            false_plots: 15.0,
+            stated: [1.0, 1.0],
+        }
+    }
+
     fn draw(&self, scans: u32, seed: u64) -> Vec<(PlotsHeader, Vec<Plot>)> {
         let mut all: Vec<(PlotsHeader, Vec<Plot>)> =
             (0..scans).flat_map(|scan| (0..SECTORS).map(move |sector| (header(scan, sector), Vec::new()))).collect();
@@ -166,16 +180,7 @@ impl Deviations {
 fn errors_motion_detection_and_clutter_are_recovered() {
     let mut deviations = Deviations::default();
     for (seed, stated) in [(1, [2.0, 0.6]), (2, [0.6, 2.0]), (3, [1.5, 1.5]), (4, [1.0, 1.0]), (5, [0.7, 0.7])] {
-        let world = World {
-            sigma_range_m: 8.0,
-            sigma_azimuth_rad: 2.5e-3,
-            noise_mps2: 0.5,
-            rates: vec![0.0],
-            stay: 1.0,
-            detection_probability: 0.85,
-            false_plots: 15.0,
-            stated,
-        };
+        let world = World { stated, ..World::straight() };
         let plots = world.draw(150, seed);
         let noise_mps2 = if seed % 2 == 0 { 1.5 } else { 0.25 };
         let config = TrackerConfig {
@@ -234,16 +239,7 @@ fn turn_rates_are_recovered() {
 
 #[test]
 fn recordings_without_targets_teach_nothing() {
-    let world = World {
-        sigma_range_m: 8.0,
-        sigma_azimuth_rad: 2.5e-3,
-        noise_mps2: 0.5,
-        rates: vec![0.0],
-        stay: 1.0,
-        detection_probability: 0.0,
-        false_plots: 3.0,
-        stated: [1.0, 1.0],
-    };
+    let world = World { detection_probability: 0.0, false_plots: 3.0, ..World::straight() };
     let error = learn(&[&world.draw(20, 1)], &TrackerConfig::default(), |_| {}).expect_err("no tracks");
     assert!(matches!(error, TuneError::TooFew { .. }) && error.to_string().lines().count() == 1, "{error}");
 }

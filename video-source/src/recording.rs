@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use asterix::cat240::{self, VideoRecord};
+use asterix::clock::DayClock;
 use asterix::editions::Editions;
 use asterix::record::Record;
 use asterix::recording::{Datagram, Form, Recording};
 use asterix::recovery::{Unused, records};
-use asterix::report::TimeOfDay;
 use common::config::ChainConfig;
 use common::dwell::DwellHeader;
 use common::health::{Reject, Rejected};
@@ -53,7 +53,8 @@ impl VideoRecording {
     /// As [`VideoRecording::open`].
     pub fn read(bytes: &[u8], path: &Path, chain: &ChainConfig) -> Result<Self, VideoError> {
         let recording = Recording::whole(bytes);
-        let mut found = Found { unread: recording.lost.len() as u64, ..Found::default() };
+        let mut found = Found::of_day(chain.run.epoch_s * 1_000_000_000 / DAY_NS * DAY_NS);
+        found.unread = recording.lost.len() as u64;
         recording.datagrams.iter().for_each(|datagram| found.take(datagram, recording.form));
         if found.spokes.is_empty() {
             let what = match (bytes.len(), recording.form) {
@@ -73,7 +74,7 @@ impl VideoRecording {
 
     /// Places the spokes in scans and gives them times.
     fn place(found: Found, chain: &ChainConfig) -> Self {
-        let Found { spokes, mut rejected, unread } = found;
+        let Found { spokes, mut rejected, unread, .. } = found;
         let radar = &chain.radar;
         let (dwells_per_scan, sectors_per_scan) = (radar.dwells_per_scan, radar.sectors_per_scan);
         let mut turning = Turning::new(dwells_per_scan);
@@ -173,14 +174,21 @@ impl VideoRecording {
 }
 
 /// What a file holds.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Found {
+    /// Of files without times of packets.
+    clock: DayClock,
     spokes: Vec<Spoke>,
     rejected: Rejected,
     unread: u64,
 }
 
 impl Found {
+    /// Nothing yet of a recording whose times of day begin on the day of `midnight_ns`.
+    fn of_day(midnight_ns: u64) -> Self {
+        Self { clock: DayClock::new(midnight_ns), spokes: Vec::new(), rejected: Rejected::default(), unread: 0 }
+    }
+
     fn take(&mut self, datagram: &Datagram<'_>, form: Form) {
         if let Some(spokes) = halo::spokes(&datagram.bytes, datagram.time_ns) {
             for spoke in spokes {
@@ -214,15 +222,7 @@ impl Found {
             self.rejected.count(Reject::NotATarget); // a summary
             return;
         };
-        let of_day = |steps: u32| u64::from(steps) * 1_000_000_000 / 128;
-        let time_ns = received_ns.or_else(|| {
-            let time = video.time_of_day.filter(|time| time.steps < TimeOfDay::DAY)?;
-            let of_day_ns = of_day(time.steps);
-            let before_ns = self.spokes.last().and_then(|spoke| spoke.time_ns).unwrap_or(0);
-            // Over midnight the day is the next one.
-            let days = (before_ns + DAY_NS / 2).saturating_sub(of_day_ns) / DAY_NS;
-            Some(days * DAY_NS + of_day_ns)
-        });
+        let time_ns = received_ns.or_else(|| video.time_of_day.map(|time| self.clock.time_ns(time).max(0) as u64));
         match spokes_of_records::spoke(&video, time_ns) {
             Some(spoke) => self.spokes.push(spoke),
             None => self.rejected.count(Reject::LengthMismatch),
@@ -263,10 +263,21 @@ fn spokes_per_turn(spokes: &[Spoke]) -> Option<f64> {
     Some(turn / *median)
 }
 
-/// Time of a turn by the times of the first and last spoke, s; none without times, or of less than a turn.
+/// Time of a turn, s: the median over spokes and those a turn or little more later, so that a pause does not count; none without times,
+/// or of less than a turn.
 fn measured_period_s(placed: &[(u64, Spoke)], dwells_per_scan: u32) -> Option<f64> {
-    let ((first, begin), (last, end)) = (placed.first()?, placed.last()?);
-    let turns = (last - first) as f64 / f64::from(dwells_per_scan);
-    let time_s = end.time_ns?.checked_sub(begin.time_ns?)? as f64 / NS_PER_S;
-    (turns >= 1.0 && time_s > 0.0).then(|| time_s / turns)
+    let turn = u64::from(dwells_per_scan);
+    let mut later = 0;
+    let mut turns_s: Vec<f64> = placed
+        .iter()
+        .filter_map(|(place, spoke)| {
+            later += placed[later..].iter().take_while(|(other, _)| *other < place + turn).count();
+            let (other, end) = placed.get(later)?;
+            let time_s = end.time_ns?.checked_sub(spoke.time_ns?)? as f64 / NS_PER_S;
+            Some(time_s * turn as f64 / (other - place) as f64)
+        })
+        .filter(|&turn_s| turn_s > 0.0)
+        .collect();
+    let middle = turns_s.len() / 2;
+    (!turns_s.is_empty()).then(|| *turns_s.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

@@ -33,6 +33,8 @@ pub(super) struct State {
     pub(super) encoding: Encoding,
     /// The track that is explained, by site and number.
     pub(super) follow: Option<(usize, u64)>,
+    /// The first message, which nothing that happens to the queue takes away.
+    hello: Option<Message>,
     queue: VecDeque<Message>,
     bytes: usize,
     video: BTreeMap<SectorOf, Message>,
@@ -114,21 +116,15 @@ impl State {
 
     /// Gives it the first message, after which it gets others.
     pub(super) fn greet(&mut self, hello: Message) {
-        self.push_always(hello);
+        self.hello = Some(hello);
         self.greeted = true;
     }
 
-    /// Forgets what waits, but for the greeting: it is of a picture that is no more.
+    /// Forgets what waits: it is of a picture that is no more.
     pub(super) fn clear(&mut self) {
-        let is_greeting =
-            |message: &Message| message.to_text().is_ok_and(|text| text.starts_with(r#"{"type":"hello""#));
-        let greeting = self.queue.iter().find(|message| is_greeting(message)).cloned();
         self.queue.clear();
         self.video.clear();
         (self.bytes, self.behind) = (0, false);
-        if let Some(greeting) = greeting {
-            self.push_always(greeting);
-        }
     }
 
     /// What it has not been told yet of messages that it was not sent: how many in all.
@@ -143,10 +139,13 @@ impl State {
     }
 
     fn has_news(&self) -> bool {
-        self.behind || !self.queue.is_empty() || !self.video.is_empty()
+        self.hello.is_some() || self.behind || !self.queue.is_empty() || !self.video.is_empty()
     }
 
     fn next(&mut self) -> Option<Next> {
+        if let Some(hello) = self.hello.take() {
+            return Some(Next::Message(hello));
+        }
         if let Some(message) = self.queue.pop_front() {
             self.bytes -= length(&message);
             return Some(Next::Message(message));
@@ -193,6 +192,20 @@ mod tests {
         let order: Vec<_> = std::iter::from_fn(|| sent(&mut state)).collect();
         assert_eq!(order, ["hello", "tracks", "0 of scan 1", "1 of scan 1"]);
         assert_eq!((state.untold(), state.untold()), (Some(1), None));
+    }
+
+    /// Whatever happens before the greeting has been sent, it is sent first.
+    #[test]
+    fn a_greeting_is_never_lost() {
+        let mut state = State::default();
+        state.greet(text("hello"));
+        state.clear();
+        state.push(text("tracks"));
+        assert_eq!((sent(&mut state), sent(&mut state)), (Some("hello".into()), Some("tracks".into())));
+        state.greet(text("hello"));
+        let dropped: u64 = (0..=MOST_MESSAGES).map(|_| state.push(text("x"))).sum();
+        assert!(dropped > 0);
+        assert_eq!((sent(&mut state), sent(&mut state)), (Some("hello".into()), Some("anew".into())));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Time of day to ns UTC, across midnight.
 
-use asterix::report::TimeOfDay;
+use crate::report::TimeOfDay;
 
 /// A step of the time of day, ns.
 pub const STEP_NS: i64 = 1_000_000_000 / TimeOfDay::STEPS_PER_S as i64;
