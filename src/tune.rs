@@ -20,6 +20,7 @@ const UNEVEN: f64 = 3.0;
 /// A recording cannot be read, is of another radar than the first, or holds too little.
 pub(crate) fn tune(recordings: &[PathBuf], config: Option<&Path>, overrides: Vec<String>) -> anyhow::Result<ExitCode> {
     let config = recorder::replay::replay_config(&recordings[0], config, overrides)?;
+    let recorded = recorder::replay::recorded_config(&recordings[0])?;
     let mut all: Vec<Vec<(PlotsHeader, Vec<Plot>)>> = Vec::new();
     for path in recordings {
         let plots = plots_of(path)?;
@@ -36,7 +37,7 @@ pub(crate) fn tune(recordings: &[PathBuf], config: Option<&Path>, overrides: Vec
     }
     let slices: Vec<_> = all.iter().map(Vec::as_slice).collect();
     let lesson = learn(&slices, &config.tracker, |round| say(&round)).map_err(|error| BadInput(error.to_string()))?;
-    print(&fragment(&lesson, &config));
+    print(&fragment(&lesson, &config, &recorded));
     Ok(if lesson.rounds.is_some() { ExitCode::SUCCESS } else { ExitCode::from(EXIT_CHECK_BROKEN) })
 }
 
@@ -60,8 +61,9 @@ fn cells(header: &PlotsHeader) -> [f64; 3] {
     [header.cell_range_m, header.cell_azimuth_rad, header.cell_elevation_rad]
 }
 
-/// What was learnt as TOML, with its errors and what the configuration says as comments.
-fn fragment(lesson: &Lesson, config: &ChainConfig) -> String {
+/// What was learnt as TOML, with its errors and what the configuration says as comments. Errors of plots are those that the
+/// recorded plots state.
+fn fragment(lesson: &Lesson, config: &ChainConfig, recorded: &ChainConfig) -> String {
     let mut text = String::new();
     let (counts, plots) = (&lesson.counts, lesson.plots);
     let _ = writeln!(
@@ -89,7 +91,7 @@ fn fragment(lesson: &Lesson, config: &ChainConfig) -> String {
         tables.entry("tracker").or_default().push(line);
     }
     for found in &lesson.found {
-        let (table, mut line) = of_parameter(found, config);
+        let (table, mut line) = of_parameter(found, config, recorded);
         if lesson.rounds.is_none() && !line.starts_with('#') {
             line.insert_str(0, "# ");
         }
@@ -102,12 +104,12 @@ fn fragment(lesson: &Lesson, config: &ChainConfig) -> String {
 }
 
 /// The table of a parameter, and its line there.
-fn of_parameter(found: &Found, config: &ChainConfig) -> (&'static str, String) {
+fn of_parameter(found: &Found, config: &ChainConfig, recorded: &ChainConfig) -> (&'static str, String) {
     let Found { parameter, before, learnt } = *found;
     if let Parameter::Error(axis) = parameter {
-        let plot_source = &config.plot_source;
+        let plot_source = &recorded.plot_source;
         let stated = [plot_source.sigma_range_m, plot_source.sigma_azimuth_deg, plot_source.sigma_height_m][axis];
-        if config.origin() == Source::PlotSource {
+        if recorded.origin() == Source::PlotSource {
             let scaled = learnt.map(|Learnt { value, error }| Learnt { value: value * stated, error: error * stated });
             return ("plot_source", of_key(parameter.key(), scaled, stated));
         }

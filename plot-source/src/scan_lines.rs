@@ -15,6 +15,7 @@
 //! all targets seem to accelerate: the format is for ships that manoeuvre more gently than their targets.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use common::truth::{MODE_UNKNOWN, PLANAR, TruthTarget, VISIBLE};
 use common::units::NS_PER_S;
@@ -89,19 +90,22 @@ impl ScanLines {
             return None;
         }
         let mut this = Self::default();
+        let mut scans = BTreeMap::new();
         for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
             let why = match serde_json::from_str::<ScanLine>(line) {
-                Ok(scan) if scan.is_possible() => {
-                    this.scans.push(scan);
-                    continue;
-                }
+                Ok(scan) if scan.is_possible() => match scans.entry(scan.time_ns()) {
+                    Entry::Vacant(place) => {
+                        place.insert(scan);
+                        continue;
+                    }
+                    Entry::Occupied(_) => "a second scan of one time".to_string(),
+                },
                 Ok(_) => "impossible values".to_string(),
                 Err(error) => error.to_string(),
             };
             this.unread.get_or_insert(Unread { lines: 0, first: index + 1, why }).lines += 1;
         }
-        this.scans.sort_by_key(ScanLine::time_ns);
-        this.scans.dedup_by_key(|scan| scan.time_ns());
+        this.scans = scans.into_values().collect();
         (!this.scans.is_empty()).then_some(this)
     }
 
@@ -190,6 +194,9 @@ mod tests {
         let lines = ScanLines::of(spoilt.as_bytes()).expect("one scan");
         let unread = lines.unread.expect("one line");
         assert_eq!((lines.scans.len(), unread.lines, unread.first), (1, 1, 2));
+        let twice = ScanLines::of(LINES.repeat(2).as_bytes()).expect("two scans");
+        let unread = twice.unread.expect("two lines");
+        assert_eq!((twice.scans.len(), unread.lines, unread.first), (2, 2, 3));
         for other in [&b"{\"time_s\":10.5,\"range_m\":1000,\"azimuth_deg\":90}\n"[..], b"", b"time_s\n", b"\xff"] {
             assert_eq!(ScanLines::of(other), None);
         }

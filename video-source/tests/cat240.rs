@@ -102,7 +102,7 @@ fn every_size_of_cell_in_every_block_compressed_or_not() {
             assert_eq!(amplitudes, expected, "{form:?}");
             assert_eq!(
                 (header.dwell, header.ranges, header.source_id, header.time_ns),
-                (5, 100, 25 << 8 | 7, 1_000_000_000)
+                (5, 100, 25 << 8 | 7, (chain.run.epoch_s + 1) * 1_000_000_000)
             );
             assert_eq!(header.full_scale.to_bits(), (largest as f32 + 0.5).to_bits());
             assert!((header.azimuth_rad - 5.5 / 64.0 * TAU).abs() < 1e-9);
@@ -142,6 +142,19 @@ fn turns_sectors_and_times_go_on() {
     let second = read(&bytes, &self::chain(&["run.first_scan=1", "run.scans=2"]));
     assert_eq!((second.dwells().len(), second.dwells()[0].0.seq), (63, 64));
     assert!(second.dwells()[62].0.flags & END_OF_STREAM != 0);
+}
+
+/// The time of a turn is that of most turns, whatever the recording has left out.
+#[test]
+fn a_pause_is_no_part_of_a_turn() {
+    let mut bytes = Vec::new();
+    for spoke in 0..320_u16 {
+        let pause = if spoke >= 128 { 60 * 128 } else { 0 };
+        bytes.extend(block(spoke, &[1, 2], BYTES, u32::from(spoke) * 4 + pause));
+    }
+    let recording = read(&bytes, &chain(&[]));
+    let (header, _) = &recording.dwells()[0];
+    assert!((header.scan_period_s - 2.0).abs() < 1e-6, "{}", header.scan_period_s);
 }
 
 proptest! {

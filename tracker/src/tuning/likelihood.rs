@@ -124,24 +124,34 @@ fn density<const N: usize>(plot: &Measurement, prediction: &Gaussian) -> f64 {
     let covariance = e.transpose() * p * e + SMatrix::<f64, N, N>::from_diagonal(&errors);
     let from_prediction = SVector::<f64, 3>::from_fn(|axis, _| plot.position[axis] - prediction.mean[axis]);
     let d = e.transpose() * from_prediction;
-    let Some(inverse) = covariance.try_inverse() else { return 0.0 };
-    let square = (d.transpose() * inverse * d)[0];
-    (-0.5 * square).exp() / (std::f64::consts::TAU.powi(N as i32) * determinant(&covariance)).sqrt()
+    let Some(factor) = covariance.cholesky() else { return 0.0 };
+    let square = d.dot(&factor.solve(&d));
+    (-0.5 * square).exp() / (std::f64::consts::TAU.powi(N as i32) * factor.determinant()).sqrt()
 }
 
-/// Of a symmetric positive definite matrix, by elimination.
-fn determinant<const N: usize>(matrix: &SMatrix<f64, N, N>) -> f64 {
-    let mut rest = *matrix;
-    let mut product = 1.0;
-    for k in 0..N {
-        let pivot = rest[(k, k)];
-        product *= pivot;
-        for i in k + 1..N {
-            let factor = rest[(i, k)] / pivot;
-            for j in k..N {
-                rest[(i, j)] -= factor * rest[(k, j)];
-            }
-        }
+#[cfg(test)]
+mod tests {
+    use common::plots::Plot;
+
+    use super::*;
+    use crate::tuning::ways::Counts;
+
+    /// A track that is longer than all that is judged is cut, and some of each part of it is taken.
+    #[test]
+    fn long_tracks_are_cut_and_not_left_out() {
+        let plot = |second: u64| Plot {
+            time_ns: second * 1_000_000_000,
+            range_m: 5000.0,
+            azimuth_rad: 1.0,
+            sigma_range_m: 10.0,
+            sigma_azimuth_rad: 1e-3,
+            ..Plot::default()
+        };
+        let way: Way = (1..=2000).filter_map(|second| Measurement::from_plot(&plot(second))).collect();
+        assert_eq!(way.len(), 2000);
+        let ways = Ways { all: vec![way], counts: Counts::default(), period_s: 1.0, radar: Radar::IN_PLANE };
+        let likelihood = Likelihood::new(&ways, 500);
+        assert!((400..=500).contains(&likelihood.plots()), "{} plots", likelihood.plots());
+        assert!(likelihood.ways() >= 2 * GROUPS, "{} pieces", likelihood.ways());
     }
-    product
 }

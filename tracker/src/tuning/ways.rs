@@ -60,7 +60,9 @@ impl Counts {
     /// False plots per cell and scan, and the error of a Poisson count.
     pub(super) fn clutter(&self) -> Option<Learnt> {
         let looks = self.cells * self.scans as f64;
-        (looks > 0.0).then(|| Learnt { value: self.total() / looks, error: self.total().max(1.0).sqrt() / looks })
+        let uneven = self.clutter_dispersion().unwrap_or(1.0).max(1.0);
+        let error = (uneven * self.total().max(1.0)).sqrt() / looks;
+        (looks > 0.0).then(|| Learnt { value: self.total() / looks, error })
     }
 
     /// Variance over mean of the counts by part, all of which have as many cells.
