@@ -51,6 +51,8 @@ impl Sky {
     fn draw([azimuths, ranges, elevations]: Lattice, around: usize, elsewhere: usize, turns: usize) -> Self {
         let mut rng = generator(1, Purpose::Test, around as u32, elsewhere as u32);
         let threshold = -PFA.ln();
+        // So that no azimuth has more than another.
+        let between = |range, elevation| f64::from(range * elevations + elevation) / f64::from(ranges * elevations);
         let turn = |rng: &mut dyn Rng| {
             let mut sectors = vec![Vec::new(); SECTORS as usize];
             let mut add = |plot: Plot| {
@@ -62,7 +64,7 @@ impl Sky {
                     for elevation in 0..elevations {
                         let place = [
                             14_000.0 + 46_000.0 * f64::from(range) / f64::from(ranges),
-                            TAU * (f64::from(azimuth) + 0.5) / f64::from(azimuths),
+                            TAU * (f64::from(azimuth) + between(range, elevation)) / f64::from(azimuths),
                             0.02 + 0.4 * f64::from(elevation) / f64::from(elevations),
                             0.0,
                         ];
