@@ -11,6 +11,7 @@ use common::message::END_OF_STREAM;
 use common::messages::{Tracks, Truth};
 use common::truth::TruthTarget;
 use common::units::seconds_between;
+use tracing::warn;
 
 use crate::engine::Fusion;
 use crate::local::Report;
@@ -22,6 +23,8 @@ const LONG_GONE: Duration = Duration::from_secs(10);
 
 /// The messages of a site.
 pub(crate) struct Feed {
+    /// Name of the site.
+    name: String,
     tracks: Subscriber<Tracks>,
     truth: Subscriber<Truth>,
     to_centre: FrameChange,
@@ -48,6 +51,7 @@ impl Feed {
     pub(crate) fn new(station: &Station, site: &ChainConfig, centre: &Position) -> Result<Self, IpcError> {
         let place = site.site.position.unwrap_or(*centre);
         Ok(Self {
+            name: site.site.name.clone(),
             truth: station.subscriber()?,
             tracks: station.subscriber()?,
             to_centre: FrameChange::new(&place, centre),
@@ -73,6 +77,7 @@ impl Feed {
         {
             let header = message.header();
             if self.session != 0 && header.session != self.session {
+                warn!("site {}: its tracker has begun anew, its tracks have new numbers", self.name);
                 fusion.forget(site);
             }
             self.session = header.session;

@@ -30,6 +30,7 @@ use crate::motion::Motion;
 use crate::outgoing::{Centre, track};
 use crate::pacing::Pacing;
 use crate::registration::Bias;
+use crate::remarks::Remarks;
 use crate::settings::{Settings, Site};
 
 /// Name of the process.
@@ -55,7 +56,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     }
     let wakes: Vec<_> = wakes.iter().collect();
     let mut reporter = HealthReporter::new(&station, &chain, stage.session, refused)?;
-    let mut pacing = Pacing::new(&chain);
+    let (mut pacing, mut remarks) = (Pacing::new(&chain), Remarks::default());
 
     attend(&wakes, &reporter.watchdog(), || -> anyhow::Result<Flow> {
         let limit_ns = pacing.limit_ns(stage.next_ns());
@@ -70,6 +71,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         let mut worked = false;
         while let Some(now_ns) = stage.next_ns().filter(|&now_ns| pacing.is_due(now_ns, &feeds)) {
             stage.cycle(now_ns, 0, &mut feeds)?;
+            remarks.look(now_ns, &stage.fusion, &feeds, &others);
             stage.skip_days(&feeds);
             worked = true;
         }

@@ -40,7 +40,7 @@ pub fn jacobian(position_m: &Vector3<f64>, velocity_mps: &Vector3<f64>) -> BiasJ
 pub struct Observation {
     /// Number of the radar.
     pub site: usize,
-    /// Where it sees the target, bias and all, in the axes of the centre; m.
+    /// Where it sees the target, without the bias that is taken for known, in the axes of the centre; m.
     pub position_m: Vector3<f64>,
     /// W: inverse covariance of that; 1/m².
     pub weight: Matrix3<f64>,
@@ -53,6 +53,8 @@ pub struct Observation {
 pub struct Registration {
     /// Standard deviations of the prior; 0 for what is known to have no bias.
     scale: DVector<f64>,
+    /// Biases taken for known (F7a); what is estimated comes on top.
+    known: DVector<f64>,
     normal: DMatrix<f64>,
     right: DVector<f64>,
     estimate: DVector<f64>,
@@ -67,6 +69,7 @@ impl Registration {
         Self {
             covariance: DMatrix::from_diagonal(&scale.component_mul(&scale)),
             scale,
+            known: DVector::zeros(size),
             normal: DMatrix::zeros(size, size),
             right: DVector::zeros(size),
             estimate: DVector::zeros(size),
@@ -80,7 +83,24 @@ impl Registration {
 
     /// Bias of a radar as known now.
     pub fn bias(&self, site: usize) -> Bias {
-        self.estimate.fixed_rows::<BIASES>(site * BIASES).into_owned()
+        self.known_bias(site) + self.estimate.fixed_rows::<BIASES>(site * BIASES)
+    }
+
+    /// The part of it that is taken for known.
+    pub fn known_bias(&self, site: usize) -> Bias {
+        self.known.fixed_rows::<BIASES>(site * BIASES).into_owned()
+    }
+
+    /// Takes what a radar measures more than its [`bias`](Self::bias) says for known, and forgets what targets have said of it before.
+    pub fn begin_anew(&mut self, site: usize, more: &Bias) {
+        let known = self.bias(site) + more;
+        let at = site * BIASES;
+        self.known.fixed_rows_mut::<BIASES>(at).copy_from(&known);
+        for sum in [&mut self.right, &mut self.estimate] {
+            sum.fixed_rows_mut::<BIASES>(at).fill(0.0);
+        }
+        self.normal.rows_mut(at, BIASES).fill(0.0);
+        self.normal.columns_mut(at, BIASES).fill(0.0);
     }
 
     /// Covariance of the errors of two radars' biases.
@@ -95,7 +115,8 @@ impl Registration {
         let mean_of = |place: &dyn Fn(&Observation) -> Vector3<f64>| {
             spread * observations.iter().map(|of| of.weight * place(of)).sum::<Vector3<f64>>()
         };
-        let corrected = |of: &Observation| of.position_m - of.jacobian * self.bias(of.site);
+        let estimate = |site: usize| self.estimate.fixed_rows::<BIASES>(site * BIASES).into_owned();
+        let corrected = |of: &Observation| of.position_m - of.jacobian * estimate(of.site);
         let mean = mean_of(&corrected);
         let deviation: f64 = observations.iter().map(|of| deviation(of, &(corrected(of) - mean), self)).sum();
         let freedom = 3.0 * (observations.len() as f64 - 1.0);

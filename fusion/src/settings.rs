@@ -80,4 +80,15 @@ pub struct Counts {
     pub untimely: u64,
     /// Local tracks released because they no longer fitted.
     pub released: u64,
+    /// Kept out of system tracks because most of the site's did not fit them.
+    pub kept_out: u64,
+    /// Times that the site's tracks fitted nobody and one bias has explained it.
+    pub realigned: u64,
+}
+
+impl Counts {
+    /// All reports that were of the time.
+    pub(crate) fn taken(&self) -> u64 {
+        self.absorbed + self.intersected + self.waiting + self.kept_out + self.repeated
+    }
 }

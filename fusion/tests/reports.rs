@@ -31,8 +31,12 @@ fn world() -> World {
     )
 }
 
-/// Runs the world; `hand` gives the fusion the reports of a cycle.
-fn run(cycles: u32, mut hand: impl FnMut(u32, &mut Fusion, Vec<(usize, Report)>)) -> Fusion {
+/// Runs the world; `hand` gives the fusion the reports of a cycle, `look` sees what has become of them.
+fn run_and_look(
+    cycles: u32,
+    mut hand: impl FnMut(u32, &mut Fusion, Vec<(usize, Report)>),
+    mut look: impl FnMut(u32, &Fusion, &World),
+) -> Fusion {
     let mut world = world();
     let mut fusion = world.fusion(Bias::zeros(), Settings::default());
     for cycle in 0..cycles {
@@ -40,8 +44,13 @@ fn run(cycles: u32, mut hand: impl FnMut(u32, &mut Fusion, Vec<(usize, Report)>)
         world.advance(|site, report| reports.push((site, report)));
         hand(cycle, &mut fusion, reports);
         fusion.cycle(world.time_ns());
+        look(cycle, &fusion, &world);
     }
     fusion
+}
+
+fn run(cycles: u32, hand: impl FnMut(u32, &mut Fusion, Vec<(usize, Report)>)) -> Fusion {
+    run_and_look(cycles, hand, |_, _, _| ())
 }
 
 fn hand_all(fusion: &mut Fusion, reports: &[(usize, Report)]) {
@@ -158,4 +167,99 @@ fn what_is_no_estimate_or_of_another_time_is_refused_and_counted() {
     let system: Vec<_> = fusion.system_tracks().map(|system| (system.time_ns, system.estimate.mean[0])).collect();
     assert_eq!(system.len(), 1);
     assert!(system[0].0 == s(1004) && (system[0].1 - 500.0).abs() < 1.0, "{system:?}");
+}
+
+/// Runs the world; from the cycle `from` on, `change` spoils the reports of site 1. Returns the fusion, how many system tracks there were at
+/// most after the start, and how far one of them was from its target, m.
+fn with_change(from: u32, change: impl Fn(&mut Report)) -> (Fusion, usize, f64) {
+    let (mut most, mut farthest_m) = (0, 0.0_f64);
+    let hand = |cycle: u32, fusion: &mut Fusion, mut reports: Vec<(usize, Report)>| {
+        for (_, report) in reports.iter_mut().filter(|(site, _)| cycle >= from && *site == 1) {
+            change(report);
+        }
+        hand_all(fusion, &reports);
+    };
+    let fusion = run_and_look(40, hand, |cycle, fusion, world| {
+        let systems: Vec<_> = fusion.system_tracks().filter(|system| !system.ended).collect();
+        if cycle >= 12 {
+            most = most.max(systems.len());
+            for system in systems {
+                let target = &world.scenario().targets[system.contributors[0].id as usize];
+                farthest_m = farthest_m.max((system.estimate.position() - target.position_m).norm());
+            }
+        }
+    });
+    (fusion, most, farthest_m)
+}
+
+/// Moves a report as a bias of range does, m.
+fn farther(report: &mut Report, by_m: f64) {
+    for estimate in [Some(&mut report.posterior), report.prediction.as_mut()].into_iter().flatten() {
+        let outward = estimate.position().normalize() * by_m;
+        let mut position = estimate.mean.fixed_rows_mut::<3>(0);
+        position += outward;
+    }
+}
+
+#[test]
+fn a_kilometre_of_bias_at_one_site_is_found_and_leaves_the_picture_right() {
+    let undisturbed_m = with_change(0, |_| ()).2;
+    for from in [0, 20] {
+        let (fusion, most, farthest_m) = with_change(from, |report| farther(report, 1000.0));
+        assert_right(&fusion, 3);
+        let found = fusion.registration().bias(1);
+        assert!((found[0] - 1000.0).abs() < 50.0, "changed in cycle {from}: {found}");
+        assert_eq!([0, 1, 2].map(|site| fusion.counts(site).realigned > 0), [false, true, false]);
+        assert_eq!(most, TARGETS, "changed in cycle {from}");
+        assert!(farthest_m < 1.2 * undisturbed_m, "changed in cycle {from}: {farthest_m} m, else {undisturbed_m} m");
+    }
+}
+
+#[test]
+fn a_clock_two_seconds_wrong_is_found_and_leaves_the_picture_right() {
+    let undisturbed_m = with_change(0, |_| ()).2;
+    for (from, by_s) in [(0, 2), (20, 2), (20, -2_i64)] {
+        let (fusion, most, farthest_m) = with_change(from, |report| {
+            report.time_ns = report.time_ns.saturating_add_signed(by_s * 1_000_000_000);
+        });
+        assert_right(&fusion, 3);
+        let found = fusion.registration().bias(1);
+        assert!((found[3] + by_s as f64).abs() < 0.3, "{by_s} s wrong from cycle {from} on: {found}");
+        assert_eq!([0, 1, 2].map(|site| fusion.counts(site).realigned > 0), [false, true, false]);
+        assert_eq!(most, TARGETS, "{by_s} s wrong from cycle {from} on");
+        assert!(
+            farthest_m < 1.2 * undisturbed_m,
+            "{by_s} s from cycle {from} on: {farthest_m} m, else {undisturbed_m} m"
+        );
+    }
+}
+
+#[test]
+fn a_site_that_is_right_again_is_found_again() {
+    let hand = |cycle: u32, fusion: &mut Fusion, mut reports: Vec<(usize, Report)>| {
+        for (_, report) in reports.iter_mut().filter(|(site, _)| (15..40).contains(&cycle) && *site == 1) {
+            farther(report, -700.0);
+        }
+        hand_all(fusion, &reports);
+    };
+    let fusion = run(60, hand);
+    assert_right(&fusion, 3);
+    assert_eq!(fusion.counts(1).realigned, 2);
+    assert!(fusion.registration().bias(1)[0].abs() < 50.0, "{}", fusion.registration().bias(1));
+}
+
+#[test]
+fn a_site_that_reports_ten_times_as_often_is_no_other_than_the_rest() {
+    let fusion = run(30, |_, fusion, reports| {
+        hand_all(fusion, &reports);
+        // Between its looks the site tells what it predicts.
+        for (site, report) in reports.iter().filter(|(site, _)| *site == 1) {
+            for step in 1..10 {
+                let posterior = report.posterior.predicted(0.5 * f64::from(step), 0.5);
+                let time_ns = report.time_ns + 500_000_000 * step as u64;
+                fusion.take(*site, &Report { posterior, prediction: Some(posterior), time_ns, ..*report }, time_ns);
+            }
+        }
+    });
+    assert_right(&fusion, 3);
 }

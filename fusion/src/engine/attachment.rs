@@ -33,7 +33,7 @@ impl Fusion {
     }
 
     /// Whether a local track is part of no system track, or the only part of one.
-    fn is_alone(&self, place: u32) -> bool {
+    pub(super) fn is_alone(&self, place: u32) -> bool {
         let own = self.locals[place as usize].system;
         own.is_none_or(|own| self.systems[own as usize].contributors.len() == 1)
     }
@@ -58,7 +58,8 @@ impl Fusion {
                 let system = self.systems[column as usize].id;
                 let choice = Decision::again(local.choice, system, self.cycles, 1);
                 local.choice = Some(choice);
-                if choice.count >= self.settings.attach_after {
+                let eager = self.sites[self.locals[place as usize].site as usize].alignment.is_eager(self.cycles);
+                if choice.count >= self.settings.attach_after || eager {
                     self.move_to(place, column);
                 }
             } else if local.system.is_none() {

@@ -38,7 +38,9 @@ impl Fusion {
                 let here = self.at(&local.estimate, local.time_ns, now_ns);
                 let jacobian = self.jacobian(of.site, &here);
                 if let Some(weight) = here.position_covariance().try_inverse() {
-                    let position_m = here.position() + jacobian * self.registration.bias(of.site.into());
+                    let estimated =
+                        self.registration.bias(of.site.into()) - self.registration.known_bias(of.site.into());
+                    let position_m = here.position() + jacobian * estimated;
                     observations.push(Observation { site: of.site.into(), position_m, weight, jacobian });
                 }
             }

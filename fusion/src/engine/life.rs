@@ -122,7 +122,7 @@ impl Fusion {
                 None => (0, false),
                 Some(since_ns) => {
                     let here = self.system_at(system, now_ns).position();
-                    let seen = self.sites.iter().any(|of| (here - of.frame.place_m()).norm() < of.site.range_m);
+                    let seen = self.sites.iter().any(|of| of.sees(&here));
                     let patience_s = if seen { self.settings.coast_s } else { self.settings.hidden_s };
                     (system.coasting + 1, system.merged || seconds_between(since_ns, now_ns) > patience_s)
                 }

@@ -4,6 +4,7 @@
 //!  reports of all sites, in order of time ─▶ without bias, in the axes of the centre          reports
 //!      attached:   what the update has brought is absorbed by the system track (F3), (F6)
 //!  every cycle:
+//!      most tracks of a site fit nobody: one bias that explains them is taken for known       misaligned
 //!      not attached: χ² with near system tracks, cheapest assignment; attached after several   attachment
 //!                    equal decisions; what no longer fits is released (F5)
 //!      members of a formation that were confused change places                                 formations
@@ -20,6 +21,7 @@ mod biases;
 mod decision;
 mod formations;
 mod life;
+mod misaligned;
 mod reports;
 mod twins;
 
@@ -27,6 +29,7 @@ use std::collections::HashMap;
 
 use common::geodesy::Position;
 use common::units::seconds_between;
+use nalgebra::Vector3;
 
 use crate::association::Candidate;
 use crate::comparison::gate;
@@ -37,6 +40,7 @@ use crate::registration::{Bias, Observation, Registration};
 use crate::settings::{Counts, Settings, Site};
 use crate::system::{System, SystemTrack};
 pub(crate) use decision::Decision;
+use misaligned::Alignment;
 use reports::Waiting;
 
 /// The fusion of the tracks of several sites.
@@ -60,6 +64,8 @@ pub struct Fusion {
     /// Local tracks to be decided on: site, number, place.
     open: Vec<(u16, u64, u32)>,
     observations: Vec<Observation>,
+    /// Local tracks of a site that fit nobody.
+    lonely: Vec<u32>,
     cycles: u64,
     /// Time of the last cycle.
     now_ns: Option<u64>,
@@ -71,6 +77,14 @@ struct SiteState {
     frame: SiteFrame,
     by_id: HashMap<u64, u32>,
     counts: Counts,
+    alignment: Alignment,
+}
+
+impl SiteState {
+    /// Whether a place, in the axes of the centre, is in its reach.
+    fn sees(&self, at_m: &Vector3<f64>) -> bool {
+        (at_m - self.frame.place_m()).norm() < self.site.range_m
+    }
 }
 
 /// A local track: the last that its site has said of it.
@@ -101,6 +115,7 @@ impl Fusion {
             frame: SiteFrame::new(&site.position, centre),
             by_id: HashMap::new(),
             counts: Counts::default(),
+            alignment: Alignment::default(),
         };
         let biases: Vec<Bias> = sites.iter().map(|site| site.bias).collect();
         Self {
@@ -119,6 +134,7 @@ impl Fusion {
             candidates: Vec::new(),
             open: Vec::new(),
             observations: Vec::new(),
+            lonely: Vec::new(),
             cycles: 0,
             now_ns: None,
         }
@@ -140,6 +156,11 @@ impl Fusion {
         self.sites[site].counts
     }
 
+    /// How many tracks a site has.
+    pub fn local_tracks(&self, site: usize) -> usize {
+        self.sites[site].by_id.len()
+    }
+
     /// Whether there is no system track.
     pub fn is_empty(&self) -> bool {
         self.systems.iter().all(|system| !system.alive)
@@ -154,6 +175,7 @@ impl Fusion {
         self.cycles += 1;
         self.end_silent(now_ns);
         self.release_misfits();
+        self.bring_back(now_ns);
         self.attach(now_ns);
         self.reconsider(now_ns);
         self.merge_twins(now_ns);

@@ -11,8 +11,8 @@ use crate::measurement::Measurement;
 #[derive(Debug)]
 pub(super) struct Waiting {
     made_ns: u64,
-    site: u16,
-    report: Report,
+    pub(super) site: u16,
+    pub(super) report: Report,
 }
 
 impl Fusion {
@@ -43,6 +43,7 @@ impl Fusion {
             let of = &waiting[index as usize];
             (of.report.time_ns, of.site, of.report.id)
         });
+        self.find_off(&waiting, &order);
         for &index in &order {
             let of = &waiting[index as usize];
             self.absorb(of.site, &of.report);
@@ -75,8 +76,11 @@ impl Fusion {
             self.compare(place, index);
             let prediction = report.prediction.map(|prediction| frame.to_centre(&prediction, &bias));
             let gained = prediction.and_then(|prediction| Measurement::of_position(&posterior, &prediction));
-            let (state, counts) = (&mut self.systems[index as usize].state, &mut self.sites[site as usize].counts);
-            if let Some(measurement) = gained {
+            let (state, of_site) = (&mut self.systems[index as usize].state, &mut self.sites[site as usize]);
+            let counts = &mut of_site.counts;
+            if of_site.alignment.is_off {
+                counts.kept_out += 1;
+            } else if let Some(measurement) = gained {
                 state.absorb(&if age_s > 0.0 { measurement.aged(age_s, motion.noise[0]) } else { measurement });
                 counts.absorbed += 1;
             } else {
