@@ -11,8 +11,6 @@ use crate::rules;
 pub const MODELS: usize = 2;
 /// Least probability of a model: one that is ruled out for good could not come back.
 const LEAST: f64 = 1e-6;
-/// Probability from which on a model stands for the target.
-const LIKELY: f64 = 0.99;
 
 /// What targets do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,12 +82,9 @@ impl Moving {
         }
     }
 
-    /// Mean and covariance of both together. The covariance of a model that is unlikely does not count: targets fly straight on nearly always, and
-    /// their covariance would be that of an average over targets that do not.
+    /// Mean and covariance of both together.
     pub fn moments(&self) -> Gaussian {
-        let both = mixed(&self.parts, self.probability);
-        let likely = (0..MODELS).find(|&model| self.probability[model] > LIKELY);
-        likely.map_or(both, |model| Gaussian { mean: both.mean, covariance: self.parts[model].covariance })
+        mixed(&self.parts, self.probability)
     }
 }
 

@@ -37,7 +37,7 @@ fn several_radars_see_better_than_the_best_of_them() {
             assert_eq!((outcome.perfect, outcome.systems), (60, 60), "{what}");
             assert!(over_best <= ratio, "{what}: {over_best}");
             if what == "turning" {
-                assert!((0.8..2.5).contains(&nees), "{what}: {nees}");
+                assert!((0.8..1.5).contains(&nees), "{what}: {nees}");
             } else {
                 assert!(over_central <= 1.03, "{what}: {over_central}");
                 assert!((0.8..1.2).contains(&nees), "{what}: {nees}");

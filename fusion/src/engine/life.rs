@@ -2,6 +2,7 @@
 
 use common::units::seconds_between;
 
+use super::plot_information::Usual;
 use super::{Fusion, Local};
 use crate::gaussian::{Gaussian, Matrix, Vector};
 use crate::motion::Moving;
@@ -24,6 +25,7 @@ impl Fusion {
             alone: 0,
             doubts: 0,
             misfit: 0.0,
+            usual: Usual::default(),
             alive: true,
         };
         let place = if let Some(place) = self.free_locals.pop() {
@@ -92,7 +94,7 @@ impl Fusion {
         let system = System {
             id: self.next_id,
             time_ns: local.time_ns,
-            state: Moving::new(local.estimate, &self.settings.motion),
+            state: Moving::new(local.estimate, &self.motion),
             contributors: Vec::new(),
             alone_since_ns: None,
             coasting: 0,

@@ -8,7 +8,7 @@ use crate::gross_bias::{Pair, explain, votes_without};
 use crate::registration::Bias;
 
 /// Tracks of a site that say nothing about it.
-const FEWEST: usize = 8;
+const FEWEST: usize = 4;
 /// Reports of a site in a cycle that are compared with the system tracks before any is absorbed.
 const SAMPLE: usize = 24;
 /// Local tracks of a site that a bias is looked for with.
@@ -156,7 +156,7 @@ impl Fusion {
             }
         }
         let expected = self.registration.covariance(site.into(), site.into());
-        let most = (MOST * count as f64) as usize;
+        let most = ((MOST * count as f64).ceil() as usize).max(FEWEST);
         if votes_without(&pairs, &expected) >= most {
             return None;
         }

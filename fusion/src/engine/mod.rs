@@ -10,6 +10,7 @@
 //!      members of a formation that were confused change places                                 formations
 //!      system tracks that are one target merge                                                 twins
 //!      targets that several sites see ─▶ biases of the radars (F7)                             biases
+//!      how often targets manoeuvre                                                             manoeuvres
 //!      system tracks that nobody has contributed to for long end                               life
 //! ```
 //!
@@ -21,7 +22,9 @@ mod biases;
 mod decision;
 mod formations;
 mod life;
+mod manoeuvres;
 mod misaligned;
+mod plot_information;
 mod reports;
 mod twins;
 
@@ -36,17 +39,23 @@ use crate::comparison::gate;
 use crate::gaussian::{Gaussian, STATE};
 use crate::grid::Grid;
 use crate::local::SiteFrame;
+use crate::motion::{MODELS, Motion};
 use crate::registration::{Bias, Observation, Registration};
 use crate::settings::{Counts, Settings, Site};
 use crate::system::{System, SystemTrack};
 pub(crate) use decision::Decision;
 use misaligned::Alignment;
+use plot_information::Usual;
 use reports::Waiting;
 
 /// The fusion of the tracks of several sites.
 #[derive(Debug)]
 pub struct Fusion {
     settings: Settings,
+    /// How targets move, with what has been learned of it.
+    motion: Motion,
+    /// Time that targets have flown straight on and manoeuvring of late, s.
+    flown_s: [f64; MODELS],
     /// χ² of position and velocity.
     gate: f64,
     sites: Vec<SiteState>,
@@ -104,6 +113,8 @@ struct Local {
     /// Reports in a row outside the gate of its system track, and the last χ².
     doubts: u32,
     misfit: f64,
+    /// What its updates have brought of late.
+    usual: Usual,
     alive: bool,
 }
 
@@ -120,6 +131,8 @@ impl Fusion {
         let biases: Vec<Bias> = sites.iter().map(|site| site.bias).collect();
         Self {
             gate: gate(STATE, settings.gate_probability),
+            motion: settings.motion,
+            flown_s: [0.0; MODELS],
             settings,
             sites: sites.iter().map(of).collect(),
             locals: Vec::new(),
@@ -180,6 +193,7 @@ impl Fusion {
         self.reconsider(now_ns);
         self.merge_twins(now_ns);
         self.register(now_ns, step_s);
+        self.learn_manoeuvres(step_s);
         self.end_forgotten(now_ns);
     }
 
@@ -191,7 +205,7 @@ impl Fusion {
 
     fn told<'a>(&self, system: &'a System, now_ns: u64) -> SystemTrack<'a> {
         let mut state = system.state;
-        state.predict(seconds_between(system.time_ns, now_ns), &self.settings.motion);
+        state.predict(seconds_between(system.time_ns, now_ns), &self.motion);
         let mut estimate = state.moments();
         // Of several radars the biases are averaged: about that of one over their number.
         if let Some(of) = system.contributors.first() {
@@ -213,7 +227,7 @@ impl Fusion {
 
     /// An estimate at another time (F3).
     fn at(&self, estimate: &Gaussian, time_ns: u64, now_ns: u64) -> Gaussian {
-        estimate.predicted(seconds_between(time_ns, now_ns), self.settings.motion.noise[0])
+        estimate.predicted(seconds_between(time_ns, now_ns), self.motion.noise[0])
     }
 
     /// A system track at another time.

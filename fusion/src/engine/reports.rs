@@ -5,7 +5,6 @@ use common::units::seconds_between;
 use super::Fusion;
 use crate::comparison::chi_squared;
 use crate::local::Report;
-use crate::measurement::Measurement;
 
 /// A report that waits for the cycle that it belongs to.
 #[derive(Debug)]
@@ -65,7 +64,7 @@ impl Fusion {
         let posterior = frame.to_centre(&report.posterior, &bias);
         (local.time_ns, local.estimate, local.confirmed) = (report.time_ns, posterior, report.confirmed);
         if let Some(index) = local.system {
-            let motion = self.settings.motion;
+            let motion = self.motion;
             let system = &mut self.systems[index as usize];
             // How much older the report is than the system track.
             let age_s = seconds_between(report.time_ns, system.time_ns).max(0.0);
@@ -75,7 +74,9 @@ impl Fusion {
             }
             self.compare(place, index);
             let prediction = report.prediction.map(|prediction| frame.to_centre(&prediction, &bias));
-            let gained = prediction.and_then(|prediction| Measurement::of_position(&posterior, &prediction));
+            let usual = &mut self.locals[place as usize].usual;
+            let polar = frame.jacobian(&posterior.position(), &posterior.velocity()).fixed_columns::<3>(0).into_owned();
+            let gained = prediction.and_then(|prediction| usual.measurement(&posterior, &prediction, &polar));
             let (state, of_site) = (&mut self.systems[index as usize].state, &mut self.sites[site as usize]);
             let counts = &mut of_site.counts;
             if of_site.alignment.is_off {
