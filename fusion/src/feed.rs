@@ -21,6 +21,9 @@ const TRUTH_SCANS: f64 = 1.5;
 /// A site that has never been heard by a fusion that was started again, and that nobody publishes at for so long, had ended before.
 const LONG_GONE: Duration = Duration::from_secs(10);
 
+/// Time without a message after which a site is silent.
+const SILENT: Duration = Duration::from_secs(10);
+
 /// The messages of a site.
 pub(crate) struct Feed {
     /// Name of the site.
@@ -38,6 +41,8 @@ pub(crate) struct Feed {
     /// Measurement time of its first tracks, ns UTC.
     first_ns: Option<u64>,
     opened: Instant,
+    /// When something came last.
+    heard: Instant,
     /// States of each target, oldest first, in the axes of the centre.
     targets: BTreeMap<u32, Vec<TruthTarget>>,
     ended: bool,
@@ -62,6 +67,7 @@ impl Feed {
             session: 0,
             first_ns: None,
             opened: Instant::now(),
+            heard: Instant::now(),
             targets: BTreeMap::new(),
             ended: false,
             tracks_out_ns: 0,
@@ -81,6 +87,7 @@ impl Feed {
                 fusion.forget(site);
             }
             self.session = header.session;
+            self.heard = Instant::now();
             self.tracks_ns = Some(header.time_ns);
             self.first_ns.get_or_insert(header.time_ns);
             self.tracks_out_ns = self.tracks_out_ns.max(header.stamps.tracks_out_ns);
@@ -126,6 +133,11 @@ impl Feed {
     /// Measurement time of its first tracks, ns UTC.
     pub(crate) fn first_ns(&self) -> Option<u64> {
         self.first_ns
+    }
+
+    /// Whether something has come lately.
+    pub(crate) fn is_heard(&self) -> bool {
+        self.heard.elapsed() < SILENT
     }
 
     /// Messages received and missed.

@@ -18,9 +18,9 @@ use crate::registration::{BIASES, Bias, BiasJacobian};
 /// Probability that what is left of the difference of one target is within the gate.
 const WITHIN: f64 = 0.999;
 /// Standard deviations of what is looked for: range m, azimuth rad, elevation rad, time s.
-const ANY: [f64; BIASES] = [5000.0, 0.1, 0.1, 10.0];
+pub(crate) const ANY: [f64; BIASES] = [5000.0, 0.1, 0.1, 10.0];
 /// Pairs that hypotheses are made of.
-const HYPOTHESES: usize = 100;
+const HYPOTHESES: usize = 60;
 /// Rounds of fitting.
 const ROUNDS: usize = 3;
 
@@ -50,22 +50,24 @@ pub struct Explanation {
 
 /// Local tracks that have a pair without any bias but what is `known` of it as a covariance. `pairs` are in order of their local tracks.
 pub fn votes_without(pairs: &[Pair], known: &SMatrix<f64, BIASES, BIASES>) -> usize {
-    best_pairs(pairs, &Bias::zeros(), known).count()
+    best_pairs(pairs, &Bias::zeros(), known, gate(3, WITHIN)).count()
 }
 
 /// The bias that explains most local tracks; `None` without a pair. `pairs` are in order of their local tracks.
 pub fn explain(pairs: &[Pair]) -> Option<Explanation> {
+    let gate = gate(3, WITHIN);
     let every = pairs.len().div_ceil(HYPOTHESES).max(1);
     let hypotheses = pairs.iter().step_by(every).flat_map(|pair| [of_place(pair), of_time(pair)]).flatten();
-    let votes = |(bias, covariance): &(Bias, SMatrix<f64, BIASES, BIASES>)| best_pairs(pairs, bias, covariance).count();
+    let votes =
+        |(bias, covariance): &(Bias, SMatrix<f64, BIASES, BIASES>)| best_pairs(pairs, bias, covariance, gate).count();
     let (mut bias, mut covariance) = hypotheses
         .map(|hypothesis| (votes(&hypothesis), hypothesis))
         .reduce(|best, other| if other.0 > best.0 { other } else { best })?
         .1;
     for _ in 0..ROUNDS {
-        (bias, covariance) = fitted(best_pairs(pairs, &bias, &covariance))?;
+        (bias, covariance) = fitted(best_pairs(pairs, &bias, &covariance, gate))?;
     }
-    Some(Explanation { bias, covariance, votes: best_pairs(pairs, &bias, &covariance).count() })
+    Some(Explanation { bias, covariance, votes: best_pairs(pairs, &bias, &covariance, gate).count() })
 }
 
 /// If the pair is one target, and the clock is right.
@@ -83,10 +85,13 @@ fn of_time(pair: &Pair) -> Option<(Bias, SMatrix<f64, BIASES, BIASES>)> {
     let velocity = pair.jacobian.column(3).into_owned();
     let weighted = pair.spread.cholesky()?.solve(&velocity);
     let information = velocity.dot(&weighted);
+    if information <= 0.0 {
+        return None;
+    }
     let bias = Bias::new(0.0, 0.0, 0.0, pair.difference_m.dot(&weighted) / information);
     let mut covariance = SMatrix::<f64, BIASES, BIASES>::zeros();
     covariance[(3, 3)] = 1.0 / information;
-    (is_possible(&bias) && information > 0.0).then_some((bias, covariance))
+    is_possible(&bias).then_some((bias, covariance))
 }
 
 fn is_possible(bias: &Bias) -> bool {
@@ -98,8 +103,9 @@ fn best_pairs<'a>(
     pairs: &'a [Pair],
     bias: &Bias,
     covariance: &SMatrix<f64, BIASES, BIASES>,
+    gate: f64,
 ) -> impl Iterator<Item = &'a Pair> {
-    let (gate, bias, covariance) = (gate(3, WITHIN), *bias, *covariance);
+    let (bias, covariance) = (*bias, *covariance);
     let misfit = move |pair: &Pair| {
         let spread = pair.spread + pair.jacobian * covariance * pair.jacobian.transpose();
         chi_squared(&(pair.difference_m - pair.jacobian * bias), spread)

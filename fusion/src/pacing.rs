@@ -66,7 +66,9 @@ impl Pacing {
         let Some(&median_ns) = times.get(times.len() / 2).filter(|_| self.real_time) else { return };
         for (feed, site) in feeds.iter_mut().zip(sites) {
             let away_s = feed.time_ns().map_or(0.0, |time_ns| seconds_between(median_ns, time_ns));
-            let is_out = away_s.abs() > Settings::default().patience_s;
+            // One that says nothing any more is late, which is no matter of its clock.
+            let is_out =
+                if feed.is_heard() { away_s.abs() > Settings::default().patience_s } else { feed.is_out_of_step };
             if is_out && !feed.is_out_of_step {
                 warn!("the clock of site {} is {away_s:+.0} s from that of the others: it is left out", site.site.name);
             }

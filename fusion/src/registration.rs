@@ -96,11 +96,19 @@ impl Registration {
         let known = self.bias(site) + more;
         let at = site * BIASES;
         self.known.fixed_rows_mut::<BIASES>(at).copy_from(&known);
+        // What the others owe to what was estimated of it stays with them.
+        let pull = self.normal.columns(at, BIASES) * self.estimate.rows(at, BIASES);
+        self.right -= pull;
         for sum in [&mut self.right, &mut self.estimate] {
             sum.fixed_rows_mut::<BIASES>(at).fill(0.0);
         }
-        self.normal.rows_mut(at, BIASES).fill(0.0);
-        self.normal.columns_mut(at, BIASES).fill(0.0);
+        for matrix in [&mut self.normal, &mut self.covariance] {
+            matrix.rows_mut(at, BIASES).fill(0.0);
+            matrix.columns_mut(at, BIASES).fill(0.0);
+        }
+        for row in at..at + BIASES {
+            self.covariance[(row, row)] = self.scale[row] * self.scale[row];
+        }
     }
 
     /// Covariance of the errors of two radars' biases.

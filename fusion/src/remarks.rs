@@ -10,11 +10,11 @@ use crate::settings::Counts;
 
 /// Measurement time between two looks at a site, s.
 const LOOK_S: f64 = 10.0;
-/// Reports in that time that say nothing yet.
+/// Fewest reports in that time that it is judged by.
 const FEWEST: u64 = 20;
 /// Share of reports that must be wrong.
 const SHARE: f64 = 0.1;
-/// How much more often than once a turn tracks may come.
+/// How much more often than once a scan tracks may come.
 const OFTEN: f64 = 3.0;
 
 /// What can be wrong with a site.
@@ -55,19 +55,19 @@ impl Remarks {
             if counts.realigned > before.realigned {
                 let bias = fusion.registration().bias(number);
                 warn!(
-                    "site {name} measures {:+.0} m, {:+.2}° of azimuth, {:+.2}° of elevation and {:+.2} s too much, far beyond what [fusion] expects: corrected",
+                    "site {name} measures {:+.0} m of range, {:+.2}° of azimuth, {:+.2}° of elevation too much, its clock is {:+.2} s ahead; that is beyond what [fusion] expects, and is corrected",
                     bias[0],
                     bias[1].to_degrees(),
                     bias[2].to_degrees(),
-                    bias[3],
+                    -bias[3],
                 );
             }
-            let taken = counts.taken() - before.taken();
+            let taken = counts.taken().saturating_sub(before.taken());
             let many = |of: u64| taken >= FEWEST && of as f64 > SHARE * taken as f64;
             let expected = fusion.local_tracks(number) as f64 * passed_s / site.scan_period_s();
             let is_wrong = [
-                many(counts.kept_out - before.kept_out),
-                many(counts.repeated - before.repeated),
+                fusion.matches_nobody(number) || many(counts.kept_out.saturating_sub(before.kept_out)),
+                many(counts.repeated.saturating_sub(before.repeated)),
                 taken >= FEWEST && taken as f64 > OFTEN * expected,
                 !feeds[number].has_passed(now_ns)
                     && !feeds[number].has_ended(false, false)
@@ -77,7 +77,7 @@ impl Remarks {
                 if is_wrong[kind] && !said.is_wrong[kind] {
                     warn!("site {name}: {what}");
                 } else if said.is_wrong[kind] && !is_wrong[kind] {
-                    info!("site {name}: no more that {what}");
+                    info!("site {name}: over: {what}");
                 }
             }
             said.is_wrong = is_wrong;

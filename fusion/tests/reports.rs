@@ -15,17 +15,22 @@ const TARGETS: usize = 60;
 const ANEW: u64 = 10_000;
 
 fn world() -> World {
+    world_of(5.0, 5.0)
+}
+
+/// With this time of a cycle and of a turn, s.
+fn world_of(cycle_s: f64, period_s: f64) -> World {
     let mut rng = chacha20::ChaCha8Rng::seed_from_u64(4);
     let sigma = [50.0, 0.1 * DEGREE, 0.1 * DEGREE];
     let places = [[0.0, 60_000.0], [52_000.0, -30_000.0], [-52_000.0, -30_000.0]];
     World::new(
         Scenario {
             centre: CENTRE,
-            radars: places.map(|place| Radar::near(&CENTRE, place, sigma, 5.0)).to_vec(),
+            radars: places.map(|place| Radar::near(&CENTRE, place, sigma, period_s)).to_vec(),
             targets: (0..TARGETS).map(|_| Target::any(&mut rng, 120_000.0)).collect(),
             noise: 0.5,
             filter: Filter::Straight { noise: 0.5 },
-            cycle_s: 5.0,
+            cycle_s,
         },
         9,
     )
@@ -262,4 +267,65 @@ fn a_site_that_reports_ten_times_as_often_is_no_other_than_the_rest() {
         }
     });
     assert_right(&fusion, 3);
+}
+
+/// Radars track already when the fusion begins, with learned biases, at any ratio of cycle and turn: whichever site is wrong, from the
+/// beginning or later, is the one that is corrected.
+#[test]
+fn whichever_site_is_wrong_is_found() {
+    let usual = Bias::new(60.0, 0.1 * DEGREE, 0.1 * DEGREE, 0.0);
+    for (culprit, later, cycle_s, period_s, gross, clock_s) in [
+        (0, false, 5.0, 5.0, Bias::new(1000.0, 0.0, 0.0, 0.0), 0.0),
+        (1, false, 1.0, 5.0, Bias::zeros(), 2.0),
+        (2, false, 5.0, 5.0, Bias::zeros(), -2.0),
+        (0, true, 1.0, 10.0, Bias::new(0.0, 1.0 * DEGREE, 0.0, 0.0), 0.0),
+        (1, true, 5.0, 5.0, Bias::new(-1000.0, 0.0, 0.0, 0.0), 0.0),
+        (2, true, 1.0, 5.0, Bias::zeros(), 2.0),
+    ] {
+        let what = format!(
+            "site {culprit} later {later}: {:?} {clock_s} s, cycle {cycle_s} s, turn {period_s} s",
+            gross.as_slice()
+        );
+        let mut world = world_of(cycle_s, period_s);
+        let ordinary = [40.0, -70.0, 20.0].map(|range_m| Bias::new(range_m, 0.0, 0.0, 0.0));
+        for (site, bias) in ordinary.iter().enumerate() {
+            world.spoil(site, *bias, 0.0);
+        }
+        let spoil = |world: &mut World| world.spoil(culprit, ordinary[culprit] + gross, clock_s);
+        if !later {
+            spoil(&mut world);
+        }
+        let mut fusion = world.fusion(usual, Settings::default());
+        let seconds = |s: f64| (s / cycle_s) as u32;
+        for cycle in 0..seconds(700.0) {
+            if later && cycle == seconds(250.0) {
+                spoil(&mut world);
+            }
+            world.advance(|site, report| {
+                if cycle >= seconds(40.0) {
+                    fusion.take(site, &report, report.time_ns);
+                }
+            });
+            fusion.cycle(world.time_ns());
+        }
+        for site in 0..3 {
+            assert_eq!(
+                fusion.counts(site).realigned > 0,
+                site == culprit,
+                "{what}: site {site}: {:?}",
+                fusion.counts(site)
+            );
+            assert!(!fusion.matches_nobody(site), "{what}: site {site}");
+            let right = ordinary[site] + if site == culprit { gross } else { Bias::zeros() };
+            let error = fusion.registration().bias(site) - right;
+            assert!(
+                error[0].abs() < 40.0 && error[1].abs() < 0.1 * DEGREE,
+                "{what}: site {site}: {:?}",
+                error.as_slice()
+            );
+        }
+        let clock_s = fusion.registration().bias(culprit)[3] + clock_s;
+        assert!(clock_s.abs() < 0.2, "{what}: {clock_s} s are left");
+        assert_right(&fusion, 3);
+    }
 }

@@ -13,7 +13,7 @@ use std::thread;
 use common::recording::{self, Recorded};
 use common::topic::Topic;
 use common::topology::{LINK_IN, LINK_OUT};
-use support::{Bench, Running, number, signal, text_of};
+use support::{Bench, Running, number, output, signal, text_of};
 
 /// A port that nobody has.
 fn free_port() -> u16 {
@@ -171,4 +171,51 @@ fn a_wire_that_is_cut_holds_nobody_up() {
     let missing = (between - received.len()) as u64;
     assert!(missing > 0, "16 messages cannot hold 12 scans");
     assert_eq!(there.report().loss["tracks"]["recorder"], missing, "{}", text_of(&result));
+}
+
+/// Three radars, each on its own host, and the centre on a fourth: its picture is that of one host that has them all.
+#[test]
+fn radars_on_their_own_hosts_give_the_centre_the_same_picture() {
+    let config = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../config/fusion.toml"));
+    let (together, apart) = (Bench::new(), Bench::new());
+    let result = output(together.command("run", &config).args(["--speed", "max", "--scans", "12"]));
+    succeeded(&result);
+    let ports = ["west", "east", "south"].map(|site| (site, free_port()));
+    let mut linked = vec!["--scans".to_owned(), "0".to_owned()];
+    for (site, port) in &ports {
+        linked.extend(["--set".to_owned(), format!("site.{site}.run.source=link")]);
+        linked.extend(["--set".to_owned(), format!("site.{site}.link.listen=['tcp/127.0.0.1:{port}']")]);
+    }
+    let centre = apart.start_config(&config, &linked.iter().map(String::as_str).collect::<Vec<_>>());
+    let of_site = |bench: &Bench, site: &str| -> PathBuf {
+        let mut all = bench.recordings().into_iter();
+        let is_its = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(site));
+        all.find(is_its).expect("a recording of the site")
+    };
+    // Each radar's host tracks what its radar has seen, and sends the tracks.
+    thread::scope(|scope| {
+        for (site, port) in &ports {
+            let seen = of_site(&together, site);
+            scope.spawn(move || {
+                let (host, connect) = (Bench::new(), format!("link.connect=['tcp/127.0.0.1:{port}']"));
+                let mut command = host.bare("run");
+                command.arg("--replay").arg(seen);
+                succeeded(&output(command.args(["--set", "link.send=['truth','tracks']", "--set", &connect])));
+            });
+        }
+    });
+    let result = centre.end();
+    succeeded(&result);
+    let picture = |bench: &Bench| -> Vec<Recorded> {
+        let messages = recording::open(&of_site(bench, "centre")).expect("a recording");
+        let mut messages: Vec<Recorded> = messages.map(|message| message.expect("readable")).collect();
+        messages.retain(|message| [Topic::SystemTracks, Topic::Tracks].contains(&message.by_ref().topic()));
+        messages.iter_mut().for_each(|message| message.header_mut().make_comparable());
+        messages.sort_by_key(|message| (message.by_ref().topic(), message.by_ref().seq()));
+        messages
+    };
+    let (here, there) = (picture(&together), picture(&apart));
+    assert!(here.len() >= 12 * 9, "{}", here.len());
+    assert_eq!(positions(&here), positions(&there));
+    assert!(here == there, "the picture differs");
 }

@@ -14,7 +14,7 @@ impl Fusion {
         let places = 0..self.locals.len() as u32;
         let to_decide = places.filter(|&place| {
             let local = &self.locals[place as usize];
-            local.alive && local.confirmed && self.is_alone(place)
+            local.alive && local.confirmed.is_some() && self.is_alone(place)
         });
         open.extend(to_decide.map(|place| {
             let local = &self.locals[place as usize];

@@ -35,6 +35,9 @@ impl Fusion {
             observations.clear();
             for of in &system.contributors {
                 let local = &self.locals[of.local as usize];
+                if self.sites[of.site as usize].alignment.is_off() {
+                    continue;
+                }
                 let here = self.at(&local.estimate, local.time_ns, now_ns);
                 let jacobian = self.jacobian(of.site, &here);
                 if let Some(weight) = here.position_covariance().try_inverse() {

@@ -20,7 +20,7 @@ impl Fusion {
             time_ns: 0,
             estimate: Gaussian { mean: Vector::zeros(), covariance: Matrix::identity() },
             system: None,
-            confirmed: false,
+            confirmed: None,
             choice: None,
             alone: 0,
             doubts: 0,

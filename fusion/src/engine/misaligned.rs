@@ -1,68 +1,111 @@
-//! Sites whose tracks fit nobody else's: found, kept from the system tracks, and brought back where one bias explains them.
+//! Sites whose tracks match no other site's: found, kept out of the system tracks, and brought back where one bias explains it (F7a).
 
-use nalgebra::SMatrix;
+use common::units::seconds_between;
+use nalgebra::{SMatrix, Vector3};
 
-use super::{Fusion, Waiting};
+use super::{Fusion, Local, SiteState, Waiting};
 use crate::comparison::{chi_squared, gate};
-use crate::gross_bias::{Pair, explain, votes_without};
-use crate::registration::Bias;
+use crate::gaussian::Vector;
+use crate::gross_bias::{ANY, Pair, explain, votes_without};
+use crate::registration::{BIASES, Bias};
 
-/// Tracks of a site that say nothing about it.
+/// Fewest tracks that a site is judged by.
 const FEWEST: usize = 4;
 /// Reports of a site in a cycle that are compared with the system tracks before any is absorbed.
 const SAMPLE: usize = 24;
-/// Local tracks of a site that a bias is looked for with.
+/// Local tracks of a site that a bias is looked for with, and system tracks near each of them.
 const SOUGHT: usize = 60;
+const NEAR: usize = 20;
 /// Local and system tracks farther apart than this are no pair, m.
 const REACH_M: f64 = 6000.0;
 /// Probability that velocities of one target are within the gate.
 const WITHIN: f64 = 0.999;
-/// Of the tracks that fit nobody, the share that a bias must explain.
+/// Of the tracks that match nobody, the share that a bias must explain.
 const MOST: f64 = 0.6;
 /// Standard deviations by which a bias must be beyond what registration expects.
 const BEYOND: f64 = 5.0;
 /// Cycles after a site was brought back in which one decision attaches.
 const EAGER: u64 = 12;
-/// Reports in a row outside the gate that make a track one of those that fit nobody.
+/// Reports in a row outside the gate that make a track one of those that match nobody.
 const DOUBTS: u32 = 2;
 /// Most cycles until a search is tried again that has found nothing.
 const LONGEST_WAIT: u64 = 64;
 
-/// What is known of how a site fits the others.
+/// What is known of how a site matches the others.
 #[derive(Debug, Default, Clone, Copy)]
 pub(super) struct Alignment {
-    /// Whether its reports of this cycle do not fit the system tracks that they are part of.
-    pub(super) is_off: bool,
+    /// Reports of the last turn that were compared with the system tracks that they are part of, and those that do not fit.
+    compared: f64,
+    misfits: f64,
+    /// Whether most do not fit, unlike those of other sites.
+    is_off: bool,
+    /// Whether most of its tracks match nobody.
+    pub(super) matches_nobody: bool,
     /// Cycle in which it was last brought back.
     brought_back: Option<u64>,
     /// Cycle before which nothing is looked for, and how long the next wait is.
     search_from: u64,
     wait: u64,
+    /// Reports of this cycle.
+    reports: usize,
+    seen: usize,
 }
 
 impl Alignment {
+    /// Whether its reports are kept out.
+    pub(super) fn is_off(&self) -> bool {
+        self.is_off
+    }
+
     /// Whether it was brought back just now, so that its tracks only wait for being attached again.
     pub(super) fn is_eager(&self, cycle: u64) -> bool {
         self.brought_back.is_some_and(|then| cycle < then + EAGER)
     }
+
+    fn is_judged(&self) -> bool {
+        self.compared >= FEWEST as f64
+    }
+
+    fn misfits_mostly(&self) -> bool {
+        self.is_judged() && 2.0 * self.misfits > self.compared
+    }
 }
 
 impl Fusion {
+    /// Whether most tracks of a site match no other site's.
+    pub fn matches_nobody(&self, site: usize) -> bool {
+        self.sites[site].alignment.matches_nobody
+    }
+
     /// Notes the sites most of whose reports do not fit the system tracks that they are part of: those reports would spoil them. Where that
     /// is so with most sites, nobody knows who is right.
-    pub(super) fn find_off(&mut self, waiting: &[Waiting], order: &[u32]) {
-        let mut sampled = [0_usize; 2];
-        for site in 0..self.sites.len() {
-            let of_site = || order.iter().map(|&index| &waiting[index as usize]).filter(|of| of.site as usize == site);
-            let every = of_site().count().div_ceil(SAMPLE).max(1);
-            let fits = || of_site().step_by(every).filter_map(|of| self.fits(of));
-            let (compared, off) = (fits().count(), fits().filter(|fits| !fits).count());
-            let is_off = compared >= FEWEST && 2 * off > compared;
-            self.sites[site].alignment.is_off = is_off;
-            sampled[usize::from(is_off)] += usize::from(compared >= FEWEST);
+    pub(super) fn find_off(&mut self, waiting: &[Waiting], order: &[u32], now_ns: u64) {
+        let step_s = self.now_ns.map_or(0.0, |before_ns| seconds_between(before_ns, now_ns));
+        for SiteState { alignment, site, .. } in &mut self.sites {
+            let keep = (-2.0 * step_s / site.period_s).exp();
+            (alignment.compared, alignment.misfits) = (alignment.compared * keep, alignment.misfits * keep);
+            (alignment.reports, alignment.seen) = (0, 0);
         }
-        if sampled[1] > sampled[0] {
-            self.sites.iter_mut().for_each(|of| of.alignment.is_off = false);
+        let reports = || order.iter().map(|&index| &waiting[index as usize]);
+        for of in reports() {
+            self.sites[of.site as usize].alignment.reports += 1;
+        }
+        for of in reports() {
+            let alignment = &mut self.sites[of.site as usize].alignment;
+            alignment.seen += 1;
+            if alignment.seen.is_multiple_of(alignment.reports.div_ceil(SAMPLE))
+                && let Some(fits) = self.fits(of)
+            {
+                let alignment = &mut self.sites[of.site as usize].alignment;
+                alignment.compared += 1.0;
+                alignment.misfits += f64::from(u8::from(!fits));
+            }
+        }
+        let of_sites = || self.sites.iter().map(|of| of.alignment);
+        let (judged, off) =
+            (of_sites().filter(Alignment::is_judged).count(), of_sites().filter(Alignment::misfits_mostly).count());
+        for SiteState { alignment, .. } in &mut self.sites {
+            alignment.is_off = 2 * off <= judged && alignment.misfits_mostly();
         }
     }
 
@@ -80,42 +123,48 @@ impl Fusion {
         Some(misfit <= self.gate || self.misfit(of.site, &own, system, &here) <= self.gate)
     }
 
-    /// Of the sites whose tracks mostly fit nobody where others see too, looks for a bias that explains it.
+    /// Of the sites whose tracks mostly match nobody where others see too, looks for a bias that explains it.
     pub(super) fn bring_back(&mut self, now_ns: u64) {
         let mut lonely = std::mem::take(&mut self.lonely);
         let mut is_filled = false;
         for site in 0..self.sites.len() {
-            if self.cycles < self.sites[site].alignment.search_from || !self.find_lonely(site as u16, &mut lonely) {
+            let matches_nobody = self.find_lonely(site as u16, &mut lonely);
+            let alignment = &mut self.sites[site].alignment;
+            alignment.matches_nobody = matches_nobody;
+            if !matches_nobody {
+                (alignment.wait, alignment.search_from) = (0, 0);
                 continue;
             }
+            if self.cycles < alignment.search_from {
+                continue;
+            }
+            alignment.wait = (2 * alignment.wait).clamp(1, LONGEST_WAIT);
+            alignment.search_from = self.cycles + alignment.wait;
             if !is_filled {
                 self.fill_grid(now_ns);
                 is_filled = true;
             }
-            let alignment = &mut self.sites[site].alignment;
-            alignment.wait = (2 * alignment.wait).clamp(1, LONGEST_WAIT);
-            alignment.search_from = self.cycles + alignment.wait;
             if let Some(bias) = self.gross_bias(site as u16, &lonely, now_ns) {
-                self.realign(site, &bias);
+                self.realign(site as u16, &bias);
                 break; // the others are compared with what it is now
             }
         }
         self.lonely = lonely;
     }
 
-    /// The confirmed tracks of a site that fit nobody, though another site sees there; whether they are most of its tracks.
+    /// The tracks of a site that match nobody, though another site sees there and there was time to find each other; whether they are most of
+    /// its tracks.
     fn find_lonely(&self, site: u16, lonely: &mut Vec<u32>) -> bool {
         lonely.clear();
         let mut shared = 0;
         for &place in self.sites[site as usize].by_id.values() {
             let local = &self.locals[place as usize];
-            let others = || self.sites.iter().enumerate().filter(|(other, _)| *other != site as usize);
-            let sees = |at_m| others().any(|(_, of)| !of.by_id.is_empty() && of.sees(at_m));
-            if !local.confirmed {
+            let Some(since) = local.confirmed else { continue };
+            if self.cycles <= since + u64::from(self.settings.attach_after) + 1 {
                 continue;
             }
             if self.is_alone(place) || local.doubts >= DOUBTS {
-                if sees(&local.estimate.position()) {
+                if self.others_that_see(site, local).next().is_some() {
                     lonely.push(place);
                 }
             } else {
@@ -126,64 +175,85 @@ impl Fusion {
         lonely.len() >= FEWEST && lonely.len() > shared
     }
 
+    /// Other sites with tracks in whose reach a local track is.
+    fn others_that_see<'a>(&'a self, site: u16, local: &'a Local) -> impl Iterator<Item = &'a SiteState> {
+        let others = self.sites.iter().enumerate().filter(move |(other, _)| *other != site as usize);
+        others.map(|(_, of)| of).filter(|of| !of.by_id.is_empty() && of.sees(&local.estimate.position()))
+    }
+
     /// A bias beyond what registration expects that explains most of the `lonely` tracks of a site.
     fn gross_bias(&self, site: u16, lonely: &[u32], now_ns: u64) -> Option<Bias> {
-        let velocity_gate = gate(3, WITHIN);
         let mut pairs = Vec::new();
-        let every = lonely.len().div_ceil(SOUGHT);
-        let sought = lonely.iter().step_by(every);
-        let count = sought.len();
+        let sought = lonely.iter().step_by(lonely.len().div_ceil(SOUGHT));
+        let most = ((MOST * sought.len() as f64).ceil() as usize).max(FEWEST);
         for &place in sought {
-            let local = &self.locals[place as usize];
-            let own = self.at(&local.estimate, local.time_ns, now_ns);
-            let jacobian = self.jacobian(site, &own);
-            for index in self.grid.near([own.mean[0], own.mean[1]], REACH_M) {
-                let system = &self.systems[index as usize];
-                let of_others = system.contributors.iter().any(|of| of.site != site);
-                if !system.is_open() || !of_others || system.contributes(site) && local.system != Some(index) {
-                    continue;
-                }
-                let other = self.system_at(system, now_ns);
-                let covariance = own.covariance + other.covariance;
-                let of_velocity = covariance.fixed_view::<3, 3>(3, 3).into_owned();
-                let difference_m = own.position() - other.position();
-                if difference_m.norm() <= REACH_M
-                    && chi_squared(&(own.velocity() - other.velocity()), of_velocity) <= velocity_gate
-                {
-                    let spread = covariance.fixed_view::<3, 3>(0, 0).into_owned();
-                    pairs.push(Pair { local: place, difference_m, spread, jacobian });
-                }
-            }
+            self.pairs_of(site, place, now_ns, &mut pairs);
         }
         let expected = self.registration.covariance(site.into(), site.into());
-        let most = ((MOST * count as f64).ceil() as usize).max(FEWEST);
         if votes_without(&pairs, &expected) >= most {
             return None;
         }
         let found = explain(&pairs).filter(|found| found.votes >= most)?;
-        let sigma = |of: &SMatrix<f64, 4, 4>, i: usize| of[(i, i)].max(0.0);
-        let is_gross =
-            |i: usize| found.bias[i].abs() > BEYOND * (sigma(&expected, i) + sigma(&found.covariance, i)).sqrt();
-        (0..4).any(is_gross).then_some(found.bias)
+        let variance = |of: &SMatrix<f64, BIASES, BIASES>, i: usize| of[(i, i)].max(0.0);
+        let sigma = |i: usize| (variance(&expected, i) + variance(&found.covariance, i)).sqrt();
+        (0..BIASES).any(|i| found.bias[i].abs() > BEYOND * sigma(i)).then_some(found.bias)
     }
 
-    /// Takes a bias for known, and moves the tracks of the site by it.
-    fn realign(&mut self, site: usize, bias: &Bias) {
-        self.registration.begin_anew(site, bias);
+    /// Appends the pairs of a local track: nearest system tracks first, of like velocity, that are not the site's own. Where several other sites
+    /// see, only what two of them agree on is believed.
+    fn pairs_of(&self, site: u16, place: u32, now_ns: u64, pairs: &mut Vec<Pair>) {
+        let local = &self.locals[place as usize];
+        let own = self.at(&local.estimate, local.time_ns, now_ns);
+        let (jacobian, first) = (self.jacobian(site, &own), pairs.len());
+        let witnesses = self.others_that_see(site, local).take(2).count();
+        let velocity_gate = gate(3, WITHIN);
+        for index in self.grid.near([own.mean[0], own.mean[1]], REACH_M) {
+            let system = &self.systems[index as usize];
+            let others = system.contributors.iter().filter(|of| of.site != site).count();
+            let is_own = system.contributes(site) && local.system != Some(index);
+            if !system.is_open() || others < witnesses || is_own {
+                continue;
+            }
+            let other = self.system_at(system, now_ns);
+            let covariance = own.covariance + other.covariance;
+            let difference_m = own.position() - other.position();
+            // An azimuth that is wrong turns the velocity.
+            let turned = Vector3::repeat((ANY[1] * own.velocity().norm()).powi(2));
+            let of_velocity = covariance.fixed_view::<3, 3>(3, 3) + SMatrix::<f64, 3, 3>::from_diagonal(&turned);
+            if difference_m.norm() <= REACH_M
+                && chi_squared(&(own.velocity() - other.velocity()), of_velocity) <= velocity_gate
+            {
+                let spread = covariance.fixed_view::<3, 3>(0, 0).into_owned();
+                pairs.push(Pair { local: place, difference_m, spread, jacobian });
+            }
+        }
+        pairs[first..].sort_by(|a, b| a.difference_m.norm_squared().total_cmp(&b.difference_m.norm_squared()));
+        pairs.truncate(first + NEAR);
+    }
+
+    /// Takes a bias for known, and moves by it the tracks of the site and the system tracks that it has made alone.
+    fn realign(&mut self, site: u16, bias: &Bias) {
+        self.registration.begin_anew(site.into(), bias);
         for place in 0..self.locals.len() {
             let local = &self.locals[place];
-            if local.alive && local.site as usize == site {
-                let moved = self.jacobian(local.site, &local.estimate) * bias;
+            if local.alive && local.site == site {
+                let moved = self.jacobian(site, &local.estimate) * bias;
                 let local = &mut self.locals[place];
                 let mut position = local.estimate.mean.fixed_rows_mut::<3>(0);
                 position -= moved;
                 local.doubts = 0;
             }
         }
-        let cycles = self.cycles;
-        let of = &mut self.sites[site];
+        for index in 0..self.systems.len() {
+            let system = &self.systems[index];
+            if system.alive && matches!(system.contributors[..], [only] if only.site == site) {
+                let mut by = Vector::zeros();
+                by.fixed_rows_mut::<3>(0).copy_from(&(-(self.jacobian(site, &system.state.moments()) * bias)));
+                self.systems[index].state.shift(&by);
+            }
+        }
+        let of = &mut self.sites[site as usize];
         of.counts.realigned += 1;
-        of.alignment.brought_back = Some(cycles);
-        of.alignment.wait = 0;
+        of.alignment = Alignment { brought_back: Some(self.cycles), ..Alignment::default() };
     }
 }

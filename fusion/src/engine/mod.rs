@@ -105,7 +105,8 @@ struct Local {
     /// In the axes of the centre, without bias.
     estimate: Gaussian,
     system: Option<u32>,
-    confirmed: bool,
+    /// Cycle in which its site has first believed in it.
+    confirmed: Option<u64>,
     /// For the system track of this number.
     choice: Option<Decision>,
     /// Decisions in a row for none of those within the gate.

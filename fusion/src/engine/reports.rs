@@ -42,7 +42,7 @@ impl Fusion {
             let of = &waiting[index as usize];
             (of.report.time_ns, of.site, of.report.id)
         });
-        self.find_off(&waiting, &order);
+        self.find_off(&waiting, &order, now_ns);
         for &index in &order {
             let of = &waiting[index as usize];
             self.absorb(of.site, &of.report);
@@ -62,7 +62,8 @@ impl Fusion {
         let bias = self.registration.bias(site.into());
         let frame = of_site.frame;
         let posterior = frame.to_centre(&report.posterior, &bias);
-        (local.time_ns, local.estimate, local.confirmed) = (report.time_ns, posterior, report.confirmed);
+        (local.time_ns, local.estimate) = (report.time_ns, posterior);
+        local.confirmed = report.confirmed.then(|| local.confirmed.unwrap_or(self.cycles));
         if let Some(index) = local.system {
             let motion = self.motion;
             let system = &mut self.systems[index as usize];
@@ -77,9 +78,9 @@ impl Fusion {
             let usual = &mut self.locals[place as usize].usual;
             let polar = frame.jacobian(&posterior.position(), &posterior.velocity()).fixed_columns::<3>(0).into_owned();
             let gained = prediction.and_then(|prediction| usual.measurement(&posterior, &prediction, &polar));
-            let (state, of_site) = (&mut self.systems[index as usize].state, &mut self.sites[site as usize]);
-            let counts = &mut of_site.counts;
-            if of_site.alignment.is_off {
+            let (system, of_site) = (&mut self.systems[index as usize], &mut self.sites[site as usize]);
+            let (is_shared, state, counts) = (system.contributors.len() > 1, &mut system.state, &mut of_site.counts);
+            if is_shared && of_site.alignment.is_off() {
                 counts.kept_out += 1;
             } else if let Some(measurement) = gained {
                 state.absorb(&if age_s > 0.0 { measurement.aged(age_s, motion.noise[0]) } else { measurement });

@@ -86,6 +86,12 @@ impl World {
         &self.scenario
     }
 
+    /// From now on a radar has other errors: what it measures too much, and what its clock is ahead, s.
+    pub fn spoil(&mut self, radar: usize, bias: Bias, clock_s: f64) {
+        let radar = &mut self.scenario.radars[radar];
+        (radar.bias, radar.clock_s) = (bias, clock_s);
+    }
+
     /// Time since the beginning, s.
     pub fn time_s(&self) -> f64 {
         f64::from(self.cycle) * self.scenario.cycle_s
