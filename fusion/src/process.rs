@@ -22,7 +22,7 @@ use common::topology::FUSION;
 use common::tracks::{MAX_TRACKS, Track, TracksHeader};
 use common::truth::{TruthHeader, TruthTarget};
 use common::units::{NS_PER_S, seconds_between};
-use tracing::info;
+use tracing::{info, warn};
 
 use crate::engine::Fusion;
 use crate::feed::Feed;
@@ -30,7 +30,7 @@ use crate::motion::Motion;
 use crate::outgoing::{Centre, track};
 use crate::pacing::Pacing;
 use crate::registration::Bias;
-use crate::remarks::Remarks;
+use crate::remarks::{Heard, Remark, Remarks};
 use crate::settings::{Settings, Site};
 
 /// Name of the process.
@@ -71,7 +71,17 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         let mut worked = false;
         while let Some(now_ns) = stage.next_ns().filter(|&now_ns| pacing.is_due(now_ns, &feeds)) {
             stage.cycle(now_ns, 0, &mut feeds)?;
-            remarks.look(now_ns, &stage.fusion, &feeds, &others);
+            let heard = feeds.iter().zip(&others).map(|(feed, site)| Heard {
+                name: &site.site.name,
+                scan_period_s: site.scan_period_s(),
+                is_in_time: feed.has_passed(now_ns) || feed.is_out_of_step || pacing.has_ended(feed),
+            });
+            for remark in remarks.look(now_ns, &stage.fusion, heard) {
+                match remark {
+                    Remark::Wrong(text) => warn!("{text}"),
+                    Remark::Over(text) => info!("{text}"),
+                }
+            }
             stage.skip_days(&feeds);
             worked = true;
         }

@@ -1,11 +1,8 @@
 //! What is wrong with a site, said by its name: once when it begins, and once when it is over.
 
-use common::config::ChainConfig;
 use common::units::seconds_between;
-use tracing::{info, warn};
 
 use crate::engine::Fusion;
-use crate::feed::Feed;
 use crate::settings::Counts;
 
 /// Measurement time between two looks at a site, s.
@@ -20,11 +17,29 @@ const OFTEN: f64 = 3.0;
 /// What can be wrong with a site.
 const KINDS: usize = 4;
 const SAYS_WHAT: [&str; KINDS] = [
-    "its tracks do not fit those of the others",
+    "its tracks match no other site's",
     "it sends old tracks again",
-    "its tracks come too often",
+    "its tracks come far more often than once a scan",
     "nothing comes in time",
 ];
+
+/// A site as its messages come.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Heard<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) scan_period_s: f64,
+    /// Whether everything up to now is there, or nothing more is to come.
+    pub(crate) is_in_time: bool,
+}
+
+/// One line about a site.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Remark {
+    /// Something is wrong.
+    Wrong(String),
+    /// Something is right again.
+    Over(String),
+}
 
 /// What has been said of the sites.
 #[derive(Debug, Default)]
@@ -40,47 +55,146 @@ struct Said {
 }
 
 impl Remarks {
-    /// Looks at what has become of the sites' reports up to `now_ns`, measurement time, and says what has changed.
-    pub(crate) fn look(&mut self, now_ns: u64, fusion: &Fusion, feeds: &[Feed], sites: &[&ChainConfig]) {
+    /// Looks at what has become of the sites' reports up to `now_ns`, measurement time; what has changed since the last look, if that was
+    /// some time ago.
+    pub(crate) fn look<'a>(
+        &mut self,
+        now_ns: u64,
+        fusion: &Fusion,
+        sites: impl Iterator<Item = Heard<'a>>,
+    ) -> Vec<Remark> {
+        let mut remarks = Vec::new();
         let passed_s = self.looked_ns.map_or(f64::INFINITY, |looked_ns| seconds_between(looked_ns, now_ns));
         if passed_s < LOOK_S {
-            return;
+            return remarks;
         }
         self.looked_ns = Some(now_ns);
-        self.sites.resize(sites.len(), Said::default());
-        for (number, (said, site)) in self.sites.iter_mut().zip(sites).enumerate() {
-            let name = &site.site.name;
+        for (number, site) in sites.enumerate() {
+            if self.sites.len() <= number {
+                self.sites.push(Said::default());
+            }
+            let (said, name) = (&mut self.sites[number], site.name);
             let (counts, before) = (fusion.counts(number), said.before);
             said.before = counts;
             if counts.realigned > before.realigned {
                 let bias = fusion.registration().bias(number);
-                warn!(
+                remarks.push(Remark::Wrong(format!(
                     "site {name} measures {:+.0} m of range, {:+.2}° of azimuth, {:+.2}° of elevation too much, its clock is {:+.2} s ahead; that is beyond what [fusion] expects, and is corrected",
                     bias[0],
                     bias[1].to_degrees(),
                     bias[2].to_degrees(),
                     -bias[3],
-                );
+                )));
             }
-            let taken = counts.taken().saturating_sub(before.taken());
+            let taken = counts.taken() - before.taken();
             let many = |of: u64| taken >= FEWEST && of as f64 > SHARE * taken as f64;
-            let expected = fusion.local_tracks(number) as f64 * passed_s / site.scan_period_s();
+            let expected = fusion.local_tracks(number) as f64 * passed_s / site.scan_period_s;
             let is_wrong = [
-                fusion.matches_nobody(number) || many(counts.kept_out.saturating_sub(before.kept_out)),
-                many(counts.repeated.saturating_sub(before.repeated)),
+                fusion.matches_nobody(number) || many(counts.kept_out - before.kept_out),
+                many(counts.repeated - before.repeated),
                 taken >= FEWEST && taken as f64 > OFTEN * expected,
-                !feeds[number].has_passed(now_ns)
-                    && !feeds[number].has_ended(false, false)
-                    && !feeds[number].is_out_of_step,
+                !site.is_in_time,
             ];
             for (kind, what) in SAYS_WHAT.iter().enumerate() {
-                if is_wrong[kind] && !said.is_wrong[kind] {
-                    warn!("site {name}: {what}");
-                } else if said.is_wrong[kind] && !is_wrong[kind] {
-                    info!("site {name}: over: {what}");
+                match (said.is_wrong[kind], is_wrong[kind]) {
+                    (false, true) => remarks.push(Remark::Wrong(format!("site {name}: {what}"))),
+                    (true, false) => remarks.push(Remark::Over(format!("site {name}: over: {what}"))),
+                    _ => {}
                 }
             }
             said.is_wrong = is_wrong;
         }
+        remarks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Settings;
+    use crate::registration::Bias;
+    use crate::simulation::scenarios::EQUAL;
+    use crate::simulation::{Scenario, World};
+
+    /// What is said of three sites in some minutes, of which from 100 to 200 s site 1 does something wrong.
+    fn said(wrong: impl Fn(&mut World, &mut Fusion, bool)) -> Vec<Remark> {
+        let mut world = World::new(Scenario::circle(&EQUAL[..3], 60, 1), 2);
+        let mut fusion = world.fusion(Bias::zeros(), Settings::default());
+        let (mut remarks, mut said) = (Remarks::default(), Vec::new());
+        while world.time_s() < 400.0 {
+            let is_wrong = (100.0..200.0).contains(&world.time_s());
+            wrong(&mut world, &mut fusion, is_wrong);
+            fusion.cycle(world.time_ns());
+            let sites = ["west", "east", "south"].map(|name| Heard { name, scan_period_s: 5.0, is_in_time: true });
+            said.extend(remarks.look(world.time_ns(), &fusion, sites.into_iter()));
+        }
+        said
+    }
+
+    fn once(what: &str) -> Vec<Remark> {
+        vec![Remark::Wrong(format!("site east: {what}")), Remark::Over(format!("site east: over: {what}"))]
+    }
+
+    #[test]
+    fn nothing_is_said_of_sites_that_are_right() {
+        let quiet = said(|world, fusion, _| world.advance(|site, report| fusion.take(site, &report, report.time_ns)));
+        assert_eq!(quiet, []);
+    }
+
+    #[test]
+    fn tracks_sent_again_or_too_often_are_said_once_with_their_site() {
+        let again = said(|world, fusion, is_wrong| {
+            world.advance(|site, report| {
+                for _ in 0..if is_wrong && site == 1 { 2 } else { 1 } {
+                    fusion.take(site, &report, report.time_ns);
+                }
+            });
+        });
+        assert_eq!(again, once(SAYS_WHAT[1]));
+        let often = said(|world, fusion, is_wrong| {
+            world.advance(|site, report| {
+                fusion.take(site, &report, report.time_ns);
+                for tenth in 1..if is_wrong && site == 1 { 10 } else { 1 } {
+                    let mut later = report;
+                    later.posterior = report.posterior.predicted(0.3 * f64::from(tenth), 0.5);
+                    later.prediction = Some(later.posterior);
+                    later.time_ns += 300_000_000 * tenth as u64;
+                    fusion.take(site, &later, later.time_ns);
+                }
+            });
+        });
+        assert_eq!(often, once(SAYS_WHAT[2]));
+    }
+
+    #[test]
+    fn a_site_that_is_brought_back_is_named_with_its_bias() {
+        let told = said(|world, fusion, is_wrong| {
+            world.spoil(1, Bias::zeros(), if is_wrong { 2.0 } else { 0.0 });
+            world.advance(|site, report| fusion.take(site, &report, report.time_ns));
+        });
+        let starts =
+            |remark: &&Remark| matches!(remark, Remark::Wrong(text) if text.starts_with("site east measures "));
+        let texts: Vec<_> = told.iter().filter(starts).collect();
+        assert!(
+            matches!(texts[..], [Remark::Wrong(there), Remark::Wrong(back)]
+            if (there.contains("clock is +2.0") || there.contains("clock is +1.9")) && back.contains("0.0")),
+            "{told:?}"
+        );
+        let others = |remark: &Remark| matches!(remark, Remark::Wrong(text) | Remark::Over(text) if !text.starts_with("site east"));
+        assert!(!told.iter().any(others), "{told:?}");
+    }
+
+    #[test]
+    fn a_site_that_says_nothing_in_time_is_named() {
+        let fusion = World::new(Scenario::circle(&EQUAL[..1], 1, 1), 2).fusion(Bias::zeros(), Settings::default());
+        let mut remarks = Remarks::default();
+        let mut look = |at_s: u64, is_in_time| {
+            remarks.look(
+                at_s * 1_000_000_000,
+                &fusion,
+                std::iter::once(Heard { name: "east", scan_period_s: 5.0, is_in_time }),
+            )
+        };
+        assert_eq!([look(100, true), look(110, false), look(120, false), look(130, true)].concat(), once(SAYS_WHAT[3]));
     }
 }
