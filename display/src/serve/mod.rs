@@ -220,6 +220,7 @@ impl Served {
         state.push_always(Message::Text(r#"{"type":"reset"}"#.into()));
         Self::tell_operators(picture, state);
         Self::show(picture, state, &Want::default());
+        state.has_picture();
     }
 
     /// Puts into the queue of a viewer what operators have done.
