@@ -346,8 +346,9 @@ pub struct Health {
     pub false_alarms: FalseAlarms,
     /// How well the monotonic clock of another host is known, µs; only the ends of a link fill it, once they know.
     pub clock_uncertainty_us: f32,
-    /// Always 0: no undefined bytes.
-    pub reserved: [u32; 8],
+    /// By place in `inputs`: one more than the most messages that one has found waiting before it since the last report; 0 where
+    /// the process does not say.
+    pub waiting: [u32; INPUTS],
 }
 
 const _: () = assert!(size_of::<Health>() == 2112 && align_of::<Health>() == 64);
@@ -375,6 +376,19 @@ impl Health {
         let name = Label::new(topic.name());
         let place = self.inputs.iter().position(|input| input.topic == name || input.topic.is_empty());
         self.inputs[place.unwrap_or(INPUTS - 1)] = Input { topic: name, intake };
+    }
+
+    /// Notes the most messages of a topic whose intake is noted that one has found waiting before it since the last report.
+    pub fn set_waiting(&mut self, topic: Topic, most: u32) {
+        if let Some(place) = self.inputs.iter().position(|input| input.topic.as_str() == topic.name()) {
+            self.waiting[place] = most + 1;
+        }
+    }
+
+    /// The most messages that one has found waiting before it since the last report, by topic, of those that the process tells of.
+    pub fn waiting(&self) -> impl Iterator<Item = (&str, u32)> {
+        let named = self.inputs.iter().zip(self.waiting).filter(|&(_, waiting)| waiting > 0);
+        named.map(|(input, waiting)| (input.topic.as_str(), waiting - 1))
     }
 
     /// Rejected input, by reason.

@@ -10,6 +10,7 @@
 pub mod amplitude;
 pub mod angle;
 mod bad_input;
+pub mod clutter_map;
 pub mod commands;
 pub mod config;
 pub mod dwell;

@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::clutter_map::{ClutterCell, ClutterMapHeader, MAX_CLUTTER_CELLS};
 use crate::commands::{Command, CommandsHeader, MAX_COMMANDS};
 use crate::dwell::{DwellHeader, MAX_CELLS};
 use crate::health::{Health, HealthHeader};

@@ -32,6 +32,9 @@ macro_rules! with_topics {
             /// What the tracker has made of it.
             Actions("actions", "actions/1") CommandsHeader, [Command; MAX_COMMANDS]
                 { QUEUE: 128, SUBSCRIBERS: 6, PUBLISHERS: 2, HISTORY: 128 } from "label.rs" "commands.rs";
+            /// Where false plots fall.
+            ClutterMap("clutter-map", "clutter-map/1") ClutterMapHeader, [ClutterCell; MAX_CLUTTER_CELLS]
+                { QUEUE: 2, SUBSCRIBERS: 4, PUBLISHERS: 2, HISTORY: 0 } from "clutter_map.rs";
             /// State of a process.
             HealthReports("health", "health/3") HealthHeader, [Health; 1]
                 { QUEUE: 16, SUBSCRIBERS: 12, PUBLISHERS: 16, HISTORY: 1 } from "label.rs" "health.rs";
@@ -75,14 +78,14 @@ impl Topic {
         Self::ALL.into_iter().find(|topic| topic.name() == name)
     }
 
-    /// All topics that tell of what the radar sees, and not of processes or operators.
+    /// All topics that tell of what the radar sees, and not of processes, operators or what was learnt of the surroundings.
     pub fn of_data() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(|topic| topic.is_data())
     }
 
     /// Whether its messages tell of what the radar sees.
     pub fn is_data(self) -> bool {
-        !matches!(self, Self::HealthReports | Self::Commands | Self::Actions)
+        !matches!(self, Self::HealthReports | Self::Commands | Self::Actions | Self::ClutterMap)
     }
 
     /// Whether it is too much for text, and for a recording unless it is asked for: 10⁸ bytes a second, 10⁹ as text.

@@ -6,7 +6,7 @@
 //!                                       other sites ──tracks─▶ fusion ───┘
 //! video-source: dwells; plot-source, replay, a program of the user's: any of these topics ──┘
 //! any of these topics but dwells ──▶ link-out ──another host──▶ link-in ──▶ the same topics
-//! display: all topics, never waited for ──commands──▶ tracker ──actions──▶ recorder, display
+//! display: all topics, never waited for ──commands──▶ tracker ──actions, clutter-map──▶ recorder, display
 //! outputs: tracks and plots, never waited for
 //! ```
 //!
@@ -144,7 +144,7 @@ pub const STAGES: [Stage; 12] = [
         name: TRACKER,
         role: Role::Processor,
         inputs: &[always(Topic::Plots), always(Topic::Commands)],
-        outputs: &[Topic::Tracks, Topic::Actions],
+        outputs: &[Topic::Tracks, Topic::Actions, Topic::ClutterMap],
     },
     Stage {
         name: LINK_OUT,
@@ -163,6 +163,7 @@ pub const STAGES: [Stage; 12] = [
             always(Topic::Actions),
             always(Topic::Tracks),
             always(Topic::SystemTracks),
+            always(Topic::ClutterMap),
             never(Topic::HealthReports),
         ],
         outputs: &[],
@@ -177,6 +178,7 @@ pub const STAGES: [Stage; 12] = [
             never(Topic::Tracks),
             never(Topic::SystemTracks),
             never(Topic::Actions),
+            never(Topic::ClutterMap),
             never(Topic::HealthReports),
         ],
         outputs: &[Topic::Commands],

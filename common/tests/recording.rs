@@ -190,7 +190,7 @@ fn a_bad_line_is_named_by_its_number_and_the_rest_is_read() {
         jsonl::Reader::new(&text[..]).map(|line| line.expect_err("must be refused").to_string()).collect();
     assert_eq!(
         errors[0],
-        "line 1: topic `speed`: expected plots, tracks, truth, system-tracks, commands, actions or health"
+        "line 1: topic `speed`: expected plots, tracks, truth, system-tracks, commands, actions, clutter-map or health"
     );
     assert!(errors[1].starts_with("line 3: header: missing field `seq`"), "{}", errors[1]);
     assert!(errors[2].starts_with("line 4: expected value"), "{}", errors[2]);

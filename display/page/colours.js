@@ -2,7 +2,7 @@
 
 const NAMES = [
   "ground", "ring", "scale", "sweep", "video", "video-strong", "plot", "truth", "tentative", "confirmed",
-  "coasting", "ended", "system", "chosen", "used", "text", "soft",
+  "coasting", "ended", "system", "chosen", "used", "text", "soft", "false-alarm", "clutter",
 ];
 const CHOICES = ["auto", "night", "day"];
 

@@ -21,7 +21,7 @@ export class Detail {
     this.state = new Table("State with standard errors", ["Axis", "Position, m", "Velocity, m/s", "Accel., m/s²"]);
     this.modelNames = element("ul", { class: "key" });
     this.models = new Chart("Model probabilities over time", 56);
-    this.used = new Table("Plots used by the last update", ["Plot", "Weight", "In gates", "Distance"]);
+    this.used = new Table("Plots used by the last scans", ["Plot", "Scan", "Weight", "In gates", "Distance"]);
     this.used.table.className = "used";
     this.gate = element("p", { class: "soft" });
     this.hops = new Table("Latency hop by hop", ["Hop", "Time", "Share"]);
@@ -109,16 +109,21 @@ export class Detail {
     });
   }
 
-  #gate({ gate, used, weight_none, state }) {
+  #gate({ gate, weight_none }) {
     const kind = gate?.kind ? `Gate: ${words(gate.kind)}` : "No gate";
     setText(this.gate, `${kind}, ${number(gate?.in_gate ?? 0)} plots in it. No plot is the track's: ${percent(weight_none, 1)}.`);
-    this.used.update(
-      (used ?? []).map((plot, i) => {
+    const { scans, models } = this.scene.selection;
+    const rows = [];
+    [...scans].reverse().forEach((scan, ago) => {
+      for (const plot of scan.used) {
         const known = plot.x_m !== null && plot.y_m !== null;
-        const away = known ? Math.hypot(plot.x_m - state.x, plot.y_m - state.y) : NaN;
-        return [i, [`${plot.seq}/${plot.index}`, percent(plot.weight, 1), gatesOf(plot.gates, this.scene.selection.models.at(-1)?.models), distance(away)]];
-      }),
-    );
+        const away = known ? Math.hypot(plot.x_m - scan.x, plot.y_m - scan.y) : NaN;
+        const name = `${plot.seq}/${plot.index}`;
+        const when = ago === 0 ? "last" : number(-ago);
+        rows.push([rows.length, [name, when, percent(plot.weight, 1), gatesOf(plot.gates, models.at(-1)?.models), distance(away)]]);
+      }
+    });
+    this.used.update(rows);
   }
 
   #errors() {

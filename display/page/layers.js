@@ -41,7 +41,8 @@ export class Layers {
 
   /** Hides what a chain does not have. */
   start({ sites, hasSystem }) {
-    const has = { video: sites.some((of) => of.has_video), truth: sites.some((of) => of.has_truth), system: hasSystem };
+    const maps = sites.some((of) => of.maps.length > 0);
+    const has = { falseAlarms: maps, clutter: maps, video: sites.some((of) => of.has_video), truth: sites.some((of) => of.has_truth), system: hasSystem };
     for (const [name, there] of Object.entries(has)) this.boxes.get(name).parentElement.hidden = !there;
   }
 }

@@ -12,6 +12,7 @@ import { Hand } from "./hand.js";
 import { Keys, panOf } from "./keys.js";
 import { ScreenLatency } from "./latency.js";
 import { Layers } from "./layers.js";
+import { Legend } from "./legend.js";
 import { Link } from "./link.js";
 import { TrackList } from "./list.js";
 import { Picture } from "./picture.js";
@@ -40,6 +41,7 @@ const want = new Want(scene, send);
 const frames = new Frames();
 const chain = new ChainView(scene);
 const layers = new Layers(settings);
+const legend = new Legend();
 const events = new Events(chooseOfEvent, toast);
 const timeline = new Timeline(byId("timeline"), send, events);
 const list = new TrackList(scene, choose);
@@ -80,6 +82,7 @@ const hearers = {
   },
   truth: (message) => picture.addTruth(message),
   system_tracks: (message) => picture.addSystemTracks(message),
+  maps: (message) => picture.addMaps(message),
   track: (message) => selection.hear(message),
   health: (message) => chain.hear(message),
   event: (message) => events.add(message),
@@ -253,6 +256,7 @@ function panels(soon = false) {
   byId("centre").setAttribute("aria-pressed", String(scene.following));
   parts.stage.classList.toggle("without-heights", !settings.layers.heights);
   if (shown === "picture") {
+    legend.update(scene);
     list.update(soon);
     detail.update();
   }

@@ -48,6 +48,9 @@ export class Picture {
     /** Living tracks and those that have just ended, by `site/id`. */
     this.tracks = new Map();
     this.system = new Map();
+    /** The last map of where false plots fall, by site. */
+    this.maps = new Map();
+    this.mapsVersion = (this.mapsVersion ?? 0) + 1;
     /** Times are kept in s since this one: numbers of the graphics card have seven digits. */
     this.epoch_s = NaN;
     this.latest_s = 0;
@@ -126,6 +129,12 @@ export class Picture {
   addTruth(message) {
     this.#note(message.time_s);
     this.truth.add(message);
+    this.version += 1;
+  }
+
+  addMaps(message) {
+    this.maps.set(message.site, message);
+    this.mapsVersion += 1;
     this.version += 1;
   }
 

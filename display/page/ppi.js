@@ -3,6 +3,7 @@
 import { DotProgram, fadingPoints } from "./dots.js";
 import { Glyphs } from "./glyphs.js";
 import { Heights } from "./heights.js";
+import { MapProgram } from "./maps.js";
 import { MarkProgram } from "./marks.js";
 import { Labels } from "./labels.js";
 import { fillBeam, fillScale, writeScale } from "./scale.js";
@@ -56,6 +57,7 @@ export class Ppi {
     this.gl = gl;
     if (!gl) return;
     this.video = new VideoProgram(gl);
+    this.maps = new MapProgram(gl);
     this.strokes = new StrokeProgram(gl);
     this.marks = new MarkProgram(gl);
     this.dots = new DotProgram(gl);
@@ -154,6 +156,7 @@ export class Ppi {
     this.planDots.begin(this.planPlace);
     this.heightDots.begin(this.sidePlace);
     this.fewDots.clear();
+    this.maps.fill(scene);
     this.#fillDots();
     this.symbols.fill(scene, this.#images(), this.ratio);
   }
@@ -248,6 +251,7 @@ export class Ppi {
       };
       for (const { of } of sites) this.video.draw(of, place, how);
     }
+    this.maps.draw(place);
     this.strokes.draw(this.scale, place);
     this.dots.draw(this.planDots);
     this.marks.draw(this.fewDots, place);

@@ -22,7 +22,7 @@ export class Selection {
   restart() {
     /** The last message of the server on this track. */
     this.said = null;
-    /** Used plots by scan, oldest first. */
+    /** Used plots by scan, oldest first, and where the track was then. */
     this.scans = [];
     /** Model probabilities by scan: `{time_s, models}`. */
     this.models = [];
@@ -60,10 +60,10 @@ export class Selection {
   hear(message) {
     const { track } = this;
     if (!track || message.site !== track.site || message.id !== track.id) return;
-    const { time_s, state, models, used, predicted } = message;
+    const { time_s, state, models, used } = message;
     this.said = message;
     if (this.scans.at(-1)?.time_s !== time_s) {
-      keep(this.scans, { time_s, used: (used ?? []).filter(({ x_m, y_m }) => Number.isFinite(x_m) && Number.isFinite(y_m)), predicted, x: state.x, y: state.y, z: state.z }, USED_SCANS);
+      keep(this.scans, { time_s, used: used ?? [], x: state.x, y: state.y, z: state.z }, USED_SCANS);
       keep(this.models, { time_s, models: models ?? [] }, CHART_SCANS);
     }
     this.version += 1;

@@ -5,6 +5,8 @@ const KEY = "radar-chain";
 /** Layers by name: title, and whether it is on at first. */
 export const LAYERS = {
   video: ["Radar video", true],
+  falseAlarms: ["False alarms", false],
+  clutter: ["Clutter expected", false],
   plots: ["Plots", true],
   errors: ["Plot errors (1σ)", true],
   tracks: ["Tracks", true],
@@ -13,6 +15,7 @@ export const LAYERS = {
   vectors: ["Speed vectors (10 scans)", true],
   ellipses: ["Uncertainty (95 %)", true],
   used: ["Used plots of the chosen track", true],
+  gate: ["Gate of the chosen track", false],
   truth: ["Truth", true],
   system: ["System tracks", true],
   rings: ["Rings and azimuths", true],

@@ -30,7 +30,7 @@ export class Stages {
     for (const stage of hello.stages) {
       const column = depth(stage, hello.stages);
       if (!columns.has(column)) columns.set(column, element("div", { class: "column" }));
-      const card = new Card(stage, hello.sites.length > 1);
+      const card = new Card(stage, hello);
       card.column = column;
       this.cards.push(card);
       columns.get(column).append(card.box);
@@ -94,9 +94,10 @@ function edge(from, to, whole, topics) {
 
 /** One stage: its condition, what it reads and sends, what it has lost. */
 class Card {
-  constructor(stage, several) {
+  constructor(stage, { sites, queues }) {
     this.stage = stage;
-    const title = several && stage.site ? `${stage.site} ${stage.name}` : stage.name;
+    this.queues = queues;
+    const title = sites.length > 1 && stage.site ? `${stage.site} ${stage.name}` : stage.name;
     this.state = element("span", { class: "condition" });
     this.facts = element("dl", { class: "pairs" });
     this.box = element("article", { class: stage.observer ? "stage-card observer" : "stage-card", "aria-label": title }, element("h3", {}, title), this.state, this.facts);
@@ -113,9 +114,14 @@ class Card {
       if (of.received?.[topic] === undefined) continue;
       const rate = perSecond(of, before, (at) => at.received?.[topic]);
       const lost = of.lost?.[topic] ?? 0;
-      this.#fact(`reads ${topic}`, `${rate}${lost ? `, ${number(lost)} lost` : ""}`, lost > 0);
+      const [waiting, room] = [of.waiting?.[topic], this.queues[topic]];
+      const queue = waiting === undefined ? "" : `, queue ${number(waiting)} of ${number(room)}`;
+      this.#fact(`reads ${topic}`, `${rate}${queue}${lost ? `, ${number(lost)} lost` : ""}`, lost > 0 || waiting >= room);
     }
-    if (this.stage.outputs.length) this.#fact(`sends ${this.stage.outputs[0]}`, perSecond(of, before, (at) => at.messages_out));
+    // What an observer counts is for viewers and other systems, whatever topics it may publish.
+    const sends = this.stage.observer ? "outside" : this.stage.outputs[0];
+    if (sends) this.#fact(`sends ${sends}`, perSecond(of, before, (at) => at.messages_out));
+    if (of.restarts > 0) this.#fact("restarts", number(of.restarts), true);
     this.#fact("CPU", percent(of.cpu_share));
     for (const [topic, observers] of Object.entries(of.observers ?? {})) {
       for (const [name, lost] of Object.entries(observers)) this.#fact(`${name} has missed`, `${number(lost)} ${topic}`, lost > 0);

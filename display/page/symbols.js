@@ -48,6 +48,7 @@ export class Symbols {
     if (layers.errors && layers.plots) this.#bars();
     if (layers.truth && this.size >= SMALLEST_FORM_PX) this.#truth();
     this.#used(selection);
+    this.#gate(selection);
     if (layers.system) {
       for (const track of picture.system.values()) this.#track(track, "system", MARK.system, this.size + 4);
     }
@@ -142,13 +143,14 @@ export class Symbols {
     }
   }
 
-  /** The plots that have moved the chosen track in its last scans, and where it was expected. */
+  /** The plots that have moved the chosen track in its last scans. */
   #used({ track, scans }) {
     if (!track || !this.layers.used) return;
     const { marks, lines, heightLines, colours } = this;
     scans.forEach((scan, i) => {
       const fresh = (i + 1) / scans.length;
       for (const { x_m, y_m, z_m, weight } of scan.used) {
+        if (x_m === null || y_m === null) continue;
         const colour = colours.packed("used", 0.2 + 0.6 * fresh * fresh);
         const z = z_m ?? NaN;
         marks.mark(x_m, y_m, z, 6 + 7 * weight, MARK.used, colour);
@@ -157,9 +159,22 @@ export class Symbols {
         heightLines.line(x_m, y_m, z, scan.x, scan.y, scan.z, thick, colour);
       }
     });
-    const expected = scans.at(-1)?.predicted;
-    if (expected) {
-      lines.ellipse(expected.x, expected.y, expected.var_xx, expected.var_xy, expected.var_yy, ELLIPSE_SIGMAS, -1.4, colours.packed("used", 0.8));
+  }
+
+  /** Where plots of the chosen track were looked for by its last update. */
+  #gate({ track, said }) {
+    const region = track && said?.gate.region;
+    if (!region || !this.layers.gate) return;
+    const { lines, colours, picture } = this;
+    const [x, y] = picture.sites.get(track.site).of.origin_m;
+    const ground = Math.cos(region.elevation_rad);
+    const [near, far] = [region.range_from_m * ground, region.range_to_m * ground];
+    const [from, to] = [region.azimuth_from_rad, region.azimuth_to_rad];
+    const colour = colours.packed("used");
+    for (const range of [near, far]) lines.arc(x, y, range, from, to, 12, 1.4, colour);
+    for (const azimuth of [from, to]) {
+      const [s, c] = [Math.sin(azimuth), Math.cos(azimuth)];
+      lines.line(x + near * s, y + near * c, 0, x + far * s, y + far * c, 0, 1.4, colour);
     }
   }
 }

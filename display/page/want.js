@@ -23,7 +23,7 @@ export class Want {
       tracks: true,
       truth: true,
       system_tracks: true,
-      maps: false,
+      maps: shown && (layers.falseAlarms || layers.clutter),
       health: true,
       events: true,
     };

@@ -6,6 +6,7 @@ mod support;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use common::clutter_map::{ClutterCell, ClutterMapHeader};
 use common::commands::{ACCEPTED, Command, CommandsHeader, EXCLUSION_ZONE};
 use common::config::{ChainConfig, Sites};
 use common::health::{Health, HealthHeader};
@@ -15,6 +16,7 @@ use common::system_tracks::{SystemTrack, SystemTracksHeader};
 use common::tracks::{CONFIRMED, KIND_HOVER, Track, TracksHeader, UsedPlot};
 use display::picture::events::Event;
 use display::serve::{Access, Served, bind, serve};
+use display::wire::clutter::MAPS;
 use display::wire::columns::Column;
 use display::wire::explain::TrackMessage;
 use display::wire::hello::Chain;
@@ -111,6 +113,7 @@ fn description() -> Value {
     let mut schemas = generator.take_definitions(true);
     schemas.insert("PlotRow".into(), row(&PLOTS));
     schemas.insert("TrackRow".into(), row(&TRACKS));
+    schemas.insert("ClutterRow".into(), row(&MAPS));
     schemas.insert("SystemTrackRow".into(), row(&SYSTEM_TRACKS));
     let error = json!({"type": "object", "properties": {"error": {"type": "string"}}, "required": ["error"], "additionalProperties": false});
     schemas.insert("Error".into(), error);
@@ -152,6 +155,9 @@ fn description() -> Value {
             "/api/v1/sites/{site}/zones/{name}": {"delete": acting(
                 "Removes a zone.", &[site(), parameter("name", "path", "string", "Name of the zone.")], None)},
             "/api/v1/sites/{site}/plots": path("The plots of the last scan of a site.", &[site()], json, &list("PlotRow")),
+            "/api/v1/sites/{site}/clutter-map": path(
+                "Where false plots fall at a site: found and promised in each cell of a polar grid, and expected by the tracker; empty where there are none.",
+                &[site()], json, &list("ClutterRow")),
             "/api/v1/system-tracks": path("What several sites together know of targets.", &[], json, &list("SystemTrackRow")),
             "/api/v1/events": path(
                 "What has happened, oldest first: the last 4096 events.",
@@ -280,6 +286,8 @@ fn answers_are_as_described() {
     };
     served.take(0, RecordedRef::Tracks(&tracks, &[track]), 2);
     served.take(0, RecordedRef::SystemTracks(&SystemTracksHeader::default(), &[SystemTrack::default()]), 1);
+    let map = ClutterMapHeader { scans: 1.0, range_step_m: 100.0, ..ClutterMapHeader::default() };
+    served.take(0, RecordedRef::ClutterMap(&map, &[ClutterCell::default()]), 1);
     let zone = Command { name: "hill".into(), outcome: ACCEPTED, ..Command::new(EXCLUSION_ZONE, 1, 1) };
     let zone = zone.at(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
     served.take(0, RecordedRef::Actions(&CommandsHeader::default(), &[zone]), 1);
@@ -302,7 +310,7 @@ fn answers_are_as_described() {
         check(&value, &schema["schema"], schemas, path).unwrap_or_else(|error| panic!("{error}"));
         checked += 1;
     }
-    assert_eq!(checked, 9);
+    assert_eq!(checked, 10);
     let error = support::get(address, "/api/v1/sites/none/plots");
     check(&error.json(), &schemas["Error"], schemas, "error").expect("as described");
     // The check itself finds what is wrong.

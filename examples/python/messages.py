@@ -281,6 +281,34 @@ class Command(ctypes.Structure):
     ]  # 344 bytes
 
 
+class ClutterMapHeader(ctypes.Structure):
+    _fields_ = [
+        ("seq", ctypes.c_uint64),
+        ("session", ctypes.c_uint64),
+        ("time_ns", ctypes.c_uint64),
+        ("out_ns", ctypes.c_uint64),
+        ("azimuth_step_rad", ctypes.c_double),
+        ("range_step_m", ctypes.c_double),
+        ("scans", ctypes.c_double),
+        ("tested", ctypes.c_double),
+        ("pfa", ctypes.c_double),
+        ("least_expected", ctypes.c_double),
+        ("scan", ctypes.c_uint32),
+        ("azimuths", ctypes.c_uint32),
+        ("ranges", ctypes.c_uint32),
+        ("reserved", ctypes.c_uint32 * 9),
+    ]  # 128 bytes
+
+
+class ClutterCell(ctypes.Structure):
+    _fields_ = [
+        ("azimuth", ctypes.c_uint16),
+        ("range", ctypes.c_uint16),
+        ("found", ctypes.c_float),
+        ("expected", ctypes.c_float),
+    ]  # 12 bytes
+
+
 class HealthHeader(ctypes.Structure):
     _fields_ = [
         ("session", ctypes.c_uint64),
@@ -365,7 +393,7 @@ class Health(ctypes.Structure):
         ("private_kib", ctypes.c_uint32),
         ("false_alarms", FalseAlarms),
         ("clock_uncertainty_us", ctypes.c_float),
-        ("reserved", ctypes.c_uint32 * 8),
+        ("waiting", ctypes.c_uint32 * 8),
     ]  # 2112 bytes
 
 
@@ -377,6 +405,7 @@ TOPICS = {
     "system-tracks": Topic(SystemTracksHeader, SystemTrack, "radar/SystemTracksHeader/1", "radar/SystemTrack/1", 64, "system-tracks/1", 1024),
     "commands": Topic(CommandsHeader, Command, "radar/CommandsHeader/1", "radar/Command/1", 64, "commands/1", 1),
     "actions": Topic(CommandsHeader, Command, "radar/CommandsHeader/1", "radar/Command/1", 64, "actions/1", 1),
+    "clutter-map": Topic(ClutterMapHeader, ClutterCell, "radar/ClutterMapHeader/1", "radar/ClutterCell/1", 64, "clutter-map/1", 5760),
     "health": Topic(HealthHeader, Health, "radar/HealthHeader/1", "radar/Health/3", 8, "health/3", 1),
 }
 

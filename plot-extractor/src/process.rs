@@ -68,6 +68,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         let ended = reporter.health.ended == 1;
         if ended || reporter.is_due() {
             reporter.health.set_intake(Topic::Dwells, dwells.intake());
+            reporter.health.set_waiting(Topic::Dwells, dwells.take_most_waiting());
             reporter.health.set_rejected(&rejected);
             reporter.publish()?;
         }

@@ -76,9 +76,9 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             true => Flow::Wait,
             false => Flow::Again,
         };
-        for (reporter, recorder) in reporters.iter_mut().zip(&recorders) {
+        for ((reporter, recorder), input) in reporters.iter_mut().zip(&recorders).zip(&inputs) {
             if flow == Flow::End || reporter.is_due() {
-                recorder.describe(&mut reporter.health);
+                recorder.describe(input, &mut reporter.health);
                 reporter.health.ended = u32::from(flow == Flow::End);
                 reporter.publish()?;
             }
@@ -144,8 +144,13 @@ trait Input {
     /// Records messages that wait, for a turn; whether that was all.
     fn record_waiting(&self, recorder: &mut SiteRecorder) -> Result<bool, IpcError>;
 
-    /// Publishers of its messages, if it is `topic`.
-    fn publishers(&self, topic: Topic) -> usize;
+    fn topic(&self) -> Topic;
+
+    /// Publishers of its messages.
+    fn publishers(&self) -> usize;
+
+    /// The most messages that one has found waiting before it since the last call.
+    fn take_most_waiting(&self) -> u32;
 }
 
 impl<M: Message> Input for Subscriber<M> {
@@ -158,8 +163,16 @@ impl<M: Message> Input for Subscriber<M> {
         Ok(false)
     }
 
-    fn publishers(&self, topic: Topic) -> usize {
-        if M::TOPIC == topic { Subscriber::publishers(self) } else { 0 }
+    fn topic(&self) -> Topic {
+        M::TOPIC
+    }
+
+    fn publishers(&self) -> usize {
+        Subscriber::publishers(self)
+    }
+
+    fn take_most_waiting(&self) -> u32 {
+        Subscriber::take_most_waiting(self)
     }
 }
 
@@ -188,7 +201,7 @@ impl Inputs {
 
     /// Processes that publish tracks.
     fn trackers(&self) -> usize {
-        self.0.iter().map(|input| input.publishers(Topic::Tracks)).sum()
+        self.0.iter().filter(|input| input.topic() == Topic::Tracks).map(|input| input.publishers()).sum()
     }
 }
 
@@ -277,10 +290,12 @@ impl SiteRecorder {
         stop_requested() && inputs.trackers() == 0
     }
 
-    fn describe(&self, health: &mut Health) {
+    fn describe(&self, inputs: &Inputs, health: &mut Health) {
         health.scan = self.fold.scans() as u32;
-        for topic in Topic::ALL {
+        for input in &inputs.0 {
+            let topic = input.topic();
             health.set_intake(topic, self.fold.intake(topic));
+            health.set_waiting(topic, input.take_most_waiting());
         }
         health.latency = self.fold.latency_summaries();
     }

@@ -68,7 +68,7 @@ impl Schedule {
             Topic::Dwells => Some(self.first_scan * self.dwells_per_scan),
             Topic::Plots | Topic::Tracks => Some(self.first_scan * self.sectors_per_scan),
             Topic::Truth => self.is_simulated.then_some(self.first_scan),
-            Topic::SystemTracks | Topic::Commands | Topic::Actions | Topic::HealthReports => None,
+            Topic::SystemTracks | Topic::Commands | Topic::Actions | Topic::ClutterMap | Topic::HealthReports => None,
         }
     }
 
@@ -89,7 +89,7 @@ impl Schedule {
             Topic::Dwells => self.dwells.max(scans * self.dwells_per_scan),
             Topic::Truth => self.dwells.div_ceil(self.dwells_per_scan.max(1)).max(scans),
             Topic::Plots | Topic::Tracks => scans * self.sectors_per_scan,
-            Topic::SystemTracks | Topic::Commands | Topic::Actions | Topic::HealthReports => 0,
+            Topic::SystemTracks | Topic::Commands | Topic::Actions | Topic::ClutterMap | Topic::HealthReports => 0,
         }
     }
 }

@@ -5,8 +5,8 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use serde::Serialize;
 
 /// Open files that a process of a chain needs, and for each further site.
-const FILES: u64 = 192;
-const FILES_PER_SITE: u64 = 128;
+const FILES: u64 = 208;
+const FILES_PER_SITE: u64 = 144;
 
 /// Raises the limit of open files of this process, and of the stages that it starts, as far as the system allows.
 ///

@@ -8,7 +8,7 @@ use common::config::Source;
 use common::health::{Reject, Rejected};
 use common::ipc::{Domain, Flow, IpcError, Station, Subscriber, Turn, attend};
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, TRUNCATED};
-use common::messages::{Actions, Commands, Message, Plots, Tracks};
+use common::messages::{Actions, ClutterMap, Commands, Message, Plots, Tracks};
 use common::plots::PlotsHeader;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
 use common::realtime;
@@ -22,6 +22,8 @@ use crate::{Processed, Tracker};
 
 /// Name of the process.
 pub const NAME: &str = "tracker";
+/// The clutter map is published once in so many scans: it changes slowly, and a viewer of a recording sees three scans back.
+const SCANS_OF_A_MAP: u32 = 2;
 
 /// Runs the process until the stream ends or it is asked to stop.
 ///
@@ -34,6 +36,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let station = Station::enter(NAME, &chain)?;
     let publisher = station.publisher::<Tracks>(Tracks::MOST)?;
     let actions = station.publisher::<Actions>(Actions::MOST)?;
+    let maps = station.publisher::<ClutterMap>(ClutterMap::MOST)?;
     let wakes = [station.wake(Topic::Plots)?, station.wake(Topic::Commands)?];
     let (plots, commands) = (station.subscriber::<Plots>()?, station.subscriber::<Commands>()?);
     let zones = ZonesFile::of(&Domain::root(&chain.ipc), &chain.site.name);
@@ -43,6 +46,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let mut reporter = HealthReporter::new(&station, &chain, session, refused)?;
     let mut rejected = Rejected::default();
     let mut tracks = Vec::with_capacity(MAX_TRACKS);
+    let (mut cells, mut maps_out) = (Vec::with_capacity(ClutterMap::MOST), 0);
     let mut plots_of_scan = 0;
     let external = chain.run.source == Source::External;
 
@@ -76,6 +80,16 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             });
             published.context("publishing tracks")?;
             orders.follow_up(&mut tracker, message.header(), tell)?;
+            if header.has(END_OF_SCAN)
+                && header.scan.is_multiple_of(SCANS_OF_A_MAP)
+                && let Some(map) = tracker.clutter_map(message.header(), &mut cells)
+            {
+                let published = maps.publish(&map, &cells, |map| {
+                    (map.seq, map.session, map.out_ns) = (maps_out, session, monotonic_ns());
+                });
+                published.context("publishing the clutter map")?;
+                maps_out += 1;
+            }
 
             rejected.add(&processed.rejected);
             rejected.count_many(Reject::Full, header.left_out.into());
@@ -97,6 +111,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         let ended = reporter.health.ended == 1;
         if ended || reporter.is_due() {
             reporter.health.set_intake(Topic::Plots, plots.intake());
+            reporter.health.set_waiting(Topic::Plots, plots.take_most_waiting());
             reporter.health.set_rejected(&rejected);
             reporter.health.false_alarms = tracker.false_alarms();
             reporter.publish()?;

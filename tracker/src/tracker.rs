@@ -16,6 +16,7 @@ mod duplicates;
 mod forecast;
 mod updates;
 
+use common::clutter_map::{AZIMUTHS, ClutterCell, ClutterMapHeader, RANGES};
 use common::commands::Command;
 use common::config::{ConfigError, TrackerConfig};
 use common::health::{FalseAlarms, Reject, Rejected};
@@ -30,6 +31,7 @@ use crate::constants::LATE_CELLS;
 use crate::environment::{self, Environment};
 use crate::filter::{Machine, layout_of};
 use crate::operator::Operator;
+use crate::plots::false_alarm_map::FalseAlarmMap;
 use crate::plots::measurement::Measurement;
 use crate::plots::store::{Entry, PlotStore};
 use crate::tracks::handle::Handle;
@@ -203,6 +205,28 @@ impl Tracker {
     /// False alarms of the radar, as far as tracks do not explain its plots.
     pub fn false_alarms(&self) -> FalseAlarms {
         self.environment.as_ref().map_or_else(FalseAlarms::default, |environment| environment.false_alarms.rate())
+    }
+
+    /// Replaces `cells` by the map of false plots after the plots under `plots`; `None` while nothing has been learnt.
+    pub fn clutter_map(&self, plots: &PlotsHeader, cells: &mut Vec<ClutterCell>) -> Option<ClutterMapHeader> {
+        let environment = self.environment.as_ref()?;
+        let (scans, tested) = environment.false_alarms.tested();
+        let map = environment.false_alarms.map();
+        cells.clear();
+        cells.extend(map.cells(|place| environment.clutter.expected_per_cell(&place)));
+        (scans > 0.0 && map.range_step_m() > 0.0).then(|| ClutterMapHeader {
+            time_ns: plots.time_ns,
+            azimuth_step_rad: FalseAlarmMap::AZIMUTH_STEP_RAD,
+            range_step_m: map.range_step_m(),
+            scans,
+            tested,
+            pfa: plots.pfa,
+            least_expected: environment.clutter.least_expected(),
+            scan: plots.scan,
+            azimuths: AZIMUTHS as u32,
+            ranges: RANGES as u32,
+            ..ClutterMapHeader::default()
+        })
     }
 
     fn counted(&self, mut processed: Processed) -> Processed {

@@ -7,6 +7,7 @@
 //! - [`HopSender`], [`HopReceiver`]: the bare hop that ours are compared with.
 //! - [`attend`]: sleep until something arrives or 100 ms have passed.
 
+mod backlog;
 mod domain;
 mod hop;
 mod intake;

@@ -40,6 +40,8 @@ pub(super) trait Inlet<M: Message> {
     fn publishers(&self) -> usize;
 
     fn intake(&self) -> Intake;
+
+    fn take_most_waiting(&self) -> u32;
 }
 
 /// Sends messages of one topic and wakes their consumers.
@@ -131,6 +133,11 @@ impl<M: Message> Subscriber<M> {
     /// What has been received and missed so far.
     pub fn intake(&self) -> Intake {
         self.0.intake()
+    }
+
+    /// The most messages that one has found waiting before it, of those received since the last call.
+    pub fn take_most_waiting(&self) -> u32 {
+        self.0.take_most_waiting()
     }
 }
 

@@ -7,6 +7,7 @@ use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
 
 use super::IpcError;
+use super::backlog::Backlog;
 use super::intake::count_intake;
 use super::ports::{Inlet, Received};
 use super::reach::{Unreachable, lives, process_of};
@@ -14,6 +15,7 @@ use super::services::{DataService, EventService, Ipc};
 use crate::health::Intake;
 use crate::message::{Header, Place};
 use crate::messages::Message;
+use crate::time::monotonic_ns;
 use crate::topology::Stage;
 
 /// Receives messages of one topic and counts the missing ones.
@@ -21,6 +23,7 @@ pub(super) struct SubscriberPort<M: Message> {
     service: DataService<M>,
     port: iceoryx2::port::subscriber::Subscriber<Ipc, [M::Element], M::Header>,
     intake: RefCell<Intake>,
+    backlog: RefCell<Backlog>,
     session: Cell<u64>,
     /// Tells publishers that a stage has found them; observers tell nobody.
     ready: Option<Notifier<Ipc>>,
@@ -47,7 +50,8 @@ impl<M: Message> SubscriberPort<M> {
         };
         let ready = Stage::from_name(process).map(notifier).transpose()?;
         let (intake, session, known_publishers) = (RefCell::default(), Cell::new(0), Cell::default());
-        Ok(Self { service, port, intake, session, ready, known_publishers, unreachable })
+        let backlog = RefCell::new(Backlog::new(M::QUEUE));
+        Ok(Self { service, port, intake, backlog, session, ready, known_publishers, unreachable })
     }
 
     /// Identities of the publishers there are, in no order; 0 for none.
@@ -105,6 +109,9 @@ impl<M: Message> Inlet<M> for SubscriberPort<M> {
         let mut last_session = self.session.get();
         let missing = count_intake(&mut self.intake.borrow_mut(), &mut last_session, session, seq);
         self.session.set(last_session);
+        let (mut header, mut published_ns) = (*sample.user_header(), 0);
+        header.each_stamp(&mut |stamp_ns| published_ns = published_ns.max(*stamp_ns));
+        self.backlog.borrow_mut().take(published_ns, monotonic_ns());
         Ok(Some(Received { sample, missing }))
     }
 
@@ -114,5 +121,9 @@ impl<M: Message> Inlet<M> for SubscriberPort<M> {
 
     fn intake(&self) -> Intake {
         *self.intake.borrow()
+    }
+
+    fn take_most_waiting(&self) -> u32 {
+        self.backlog.borrow_mut().take_most()
     }
 }

@@ -36,6 +36,7 @@ fn process_json(health: &Health, cpu_share: f64) -> Value {
     let by_topic = |count: fn(&Intake) -> u64| -> Map<String, Value> {
         data_inputs(health).map(|(topic, intake)| (topic.to_string(), count(intake).into())).collect()
     };
+    let waiting: Map<String, Value> = health.waiting().map(|(topic, most)| (topic.to_string(), most.into())).collect();
     let rejected: Map<String, Value> =
         health.rejected().map(|(reason, count)| (reason.to_string(), count.into())).collect();
     json!({
@@ -60,6 +61,7 @@ fn process_json(health: &Health, cpu_share: f64) -> Value {
         "confirmed": health.confirmed,
         "received": by_topic(|intake| intake.received),
         "lost": by_topic(|intake| intake.lost),
+        "waiting": waiting,
         "rejected": rejected,
         "observers": observers,
         "latency_us": latency,

@@ -73,6 +73,7 @@ impl Picture {
             }
             RecordedRef::Truth(header, targets) => of_site.truth = Some((*header, targets.to_vec())),
             RecordedRef::SystemTracks(header, tracks) => of_site.take_system_tracks(header, tracks),
+            RecordedRef::ClutterMap(header, cells) => of_site.clutter_map = Some((*header, cells.to_vec())),
             RecordedRef::HealthReports(_, reports) => {
                 for health in reports {
                     texts.extend(self.take_health(health));

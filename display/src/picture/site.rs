@@ -2,7 +2,8 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use common::config::ChainConfig;
+use common::clutter_map::{ClutterCell, ClutterMapHeader};
+use common::config::{ChainConfig, Source};
 use common::plots::{Plot, PlotsHeader};
 use common::system_tracks::{SystemTrack, SystemTracksHeader};
 use common::tracks::{Models, TERMINATED, Track, TracksHeader, kind_name};
@@ -24,6 +25,10 @@ pub struct SitePicture {
     pub name: String,
     /// Where it stands in the picture.
     pub place: Placement,
+    /// Nearest and farthest range that it sees, m; the latter `None` where it is not known.
+    pub ranges_m: (f64, Option<f64>),
+    /// α: half width of the tracker's gates in standard deviations.
+    pub gate_alpha: f64,
     /// Messages of plots of the last scans, oldest first.
     pub plots: VecDeque<(PlotsHeader, Vec<Plot>)>,
     /// Living tracks by number.
@@ -34,6 +39,8 @@ pub struct SitePicture {
     pub truth: Option<(TruthHeader, Vec<TruthTarget>)>,
     /// System tracks of the last cycle.
     pub system_tracks: Option<(SystemTracksHeader, Vec<SystemTrack>)>,
+    /// Where false plots fall.
+    pub clutter_map: Option<(ClutterMapHeader, Vec<ClutterCell>)>,
     /// Names of the models of motion of its tracks; empty before the first one.
     pub models: Vec<String>,
     /// What operators have done.
@@ -56,11 +63,14 @@ impl SitePicture {
         Self {
             name: site.site.name.clone(),
             place,
+            ranges_m: ranges_m(site),
+            gate_alpha: site.tracker.gate_alpha,
             plots: VecDeque::new(),
             tracks: BTreeMap::new(),
             tracks_header: None,
             truth: None,
             system_tracks: None,
+            clutter_map: None,
             models: Vec::new(),
             operated: Operated::default(),
             turns: Vec::new(),
@@ -158,6 +168,19 @@ impl SitePicture {
             let models = Models { count, kind: track.model_kind, ..Models::default() };
             self.models = names_of(&models);
         }
+    }
+}
+
+/// Nearest and farthest range that a radar sees, m.
+fn ranges_m(site: &ChainConfig) -> (f64, Option<f64>) {
+    let radar = &site.radar;
+    match site.origin() {
+        Source::RadarSim | Source::VideoSource => {
+            let first_edge = radar.range_first_m - radar.range_step_m / 2.0;
+            (first_edge.max(0.0), Some(first_edge + radar.range_step_m * f64::from(radar.ranges)))
+        }
+        Source::PlotSource => (0.0, Some(site.plot_source.coverage_range_m)),
+        _ => (0.0, None),
     }
 }
 

@@ -11,9 +11,9 @@ use tokio::sync::Notify;
 
 use crate::wire::requests::{Encoding, Want};
 
-/// Messages that wait for a viewer at most.
+/// Messages that wait for a viewer at most, beside the whole picture where it was given that.
 const MOST_MESSAGES: usize = 1024;
-/// Bytes that wait for a viewer at most.
+/// Bytes that wait for a viewer at most, beside the same.
 const MOST_BYTES: usize = 8 << 20;
 
 /// A sector of a site.
@@ -37,6 +37,8 @@ pub(super) struct State {
     hello: Option<Message>,
     queue: VecDeque<Message>,
     bytes: usize,
+    /// Messages and bytes of the whole picture that it was given last: a large one must not put it behind at once.
+    picture: (usize, usize),
     video: BTreeMap<SectorOf, Message>,
     dropped: u64,
     told: u64,
@@ -84,7 +86,8 @@ impl Client {
 impl State {
     /// Adds a message, or counts it as dropped; how many messages were dropped by that.
     pub(super) fn push(&mut self, message: Message) -> u64 {
-        let full = self.queue.len() >= MOST_MESSAGES || self.bytes + length(&message) > MOST_BYTES;
+        let (messages, bytes) = self.picture;
+        let full = self.queue.len() >= MOST_MESSAGES + messages || self.bytes + length(&message) > MOST_BYTES + bytes;
         if !self.behind && !full {
             self.push_always(message);
             return 0;
@@ -102,6 +105,11 @@ impl State {
     pub(super) fn push_always(&mut self, message: Message) {
         self.bytes += length(&message);
         self.queue.push_back(message);
+    }
+
+    /// What waits is the whole picture.
+    pub(super) fn has_picture(&mut self) {
+        self.picture = (self.queue.len(), self.bytes);
     }
 
     /// Adds the video of a sector, in the place of an earlier one that still waits; whether one was dropped.
@@ -206,6 +214,19 @@ mod tests {
         let dropped: u64 = (0..=MOST_MESSAGES).map(|_| state.push(text("x"))).sum();
         assert!(dropped > 0);
         assert_eq!((sent(&mut state), sent(&mut state)), (Some("hello".into()), Some("anew".into())));
+    }
+
+    /// Or it would never come to what has happened since.
+    #[test]
+    fn a_large_picture_leaves_room_for_what_happens_while_it_is_sent() {
+        let mut state = State::default();
+        (0..2).for_each(|_| state.push_always(text(&"z".repeat(MOST_BYTES))));
+        state.has_picture();
+        assert_eq!(state.push(text("news")), 0);
+        assert_eq!(std::iter::from_fn(|| sent(&mut state)).last(), Some("news".into()));
+        // What it asks for itself has a bound.
+        (0..4).for_each(|_| state.push_always(text(&"z".repeat(MOST_BYTES))));
+        assert_eq!(state.push(text("news")), 5);
     }
 
     #[test]

@@ -19,6 +19,7 @@ pub(super) enum Kind {
     Tracks,
     Truth,
     SystemTracks,
+    Maps,
     Health,
     Events,
     /// What everybody has to know.
@@ -33,6 +34,7 @@ impl Kind {
             Self::Tracks => want.tracks,
             Self::Truth => want.truth,
             Self::SystemTracks => want.system_tracks,
+            Self::Maps => want.maps,
             Self::Health => want.health,
             Self::Events => want.events,
         }

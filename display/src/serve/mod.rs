@@ -20,6 +20,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use axum::extract::ws::Message;
+use common::clutter_map::ClutterMapHeader;
 use common::config::Sites;
 use common::messages::RecordedRef;
 use common::status;
@@ -33,6 +34,7 @@ use crate::picture::events::EventLog;
 use crate::picture::site::SitePicture;
 use crate::picture::video::SectorVideo;
 use crate::wire::SectorMessage;
+use crate::wire::clutter::{MAPS, MapRow, MapsHead};
 use crate::wire::columns::{Column, binary, json, text};
 use crate::wire::explain::TrackMessage;
 use crate::wire::hello::{Chain, Extent, Hello};
@@ -166,6 +168,9 @@ impl Served {
                 let rows = || tracks.iter().map(|track| SystemRow::new(track, &of_site.place)).collect::<Vec<_>>();
                 self.hub.publish(Kind::SystemTracks, |as_| table(as_, &head, &SYSTEM_TRACKS, &rows()));
             }
+            RecordedRef::ClutterMap(header, _) => {
+                self.hub.publish(Kind::Maps, |as_| maps_message(as_, of_site, header));
+            }
             RecordedRef::HealthReports(..) => self.tell_health(picture),
             RecordedRef::Actions(..) => self.hub.publish_text(Kind::All, || text(&OperatorMessage::new(of_site))),
             RecordedRef::Commands(..) | RecordedRef::Dwells(..) => {}
@@ -215,6 +220,7 @@ impl Served {
         state.push_always(Message::Text(r#"{"type":"reset"}"#.into()));
         Self::tell_operators(picture, state);
         Self::show(picture, state, &Want::default());
+        state.has_picture();
     }
 
     /// Puts into the queue of a viewer what operators have done.
@@ -255,6 +261,12 @@ impl Served {
             {
                 let rows: Vec<_> = tracks.iter().map(|track| SystemRow::new(track, &site.place)).collect();
                 state.push_always(table(encoding, &ScanHead::of_system_tracks(name, header), &SYSTEM_TRACKS, &rows));
+            }
+            if want.maps
+                && !before.maps
+                && let Some((header, _)) = &site.clutter_map
+            {
+                state.push_always(maps_message(encoding, site, header));
             }
         }
         if want.health && !before.health && !picture.board.is_empty() {
@@ -303,6 +315,17 @@ fn tracks_message<'a>(
     let rows: Vec<_> = tracks.map(|track| TrackRow::new(track, &site.place)).collect();
     let stamps = StampsUs::new(&header.stamps, taken_ns, if taken_ns == 0 { 0 } else { monotonic_ns() });
     table(encoding, &TracksHead::new(&site.name, header, stamps), &TRACKS, &rows)
+}
+
+fn maps_message(encoding: Encoding, site: &SitePicture, header: &ClutterMapHeader) -> Message {
+    table(encoding, &MapsHead::new(&site.name, header), &MAPS, &map_rows(site))
+}
+
+/// The clutter map of a site; empty before it is known.
+fn map_rows(site: &SitePicture) -> Vec<MapRow> {
+    let (from_m, to_m) = site.ranges_m;
+    let rows = |(header, cells): &(_, Vec<_>)| MapRow::all(header, cells, to_m.map(|to_m| (from_m, to_m)));
+    site.clutter_map.as_ref().map(rows).unwrap_or_default()
 }
 
 fn table<H: Serialize, R>(encoding: Encoding, header: &H, columns: &[Column<R>], rows: &[R]) -> Message {

@@ -17,9 +17,10 @@ use serde::de::DeserializeOwned;
 
 use super::access::HEADERS;
 use super::live::{live, no_such_site};
-use super::{Served, explained};
+use super::{Served, explained, map_rows};
 use crate::page;
 use crate::picture::site::SitePicture;
+use crate::wire::clutter::MAPS;
 use crate::wire::columns::{Column, Rows, text};
 use crate::wire::operator::{Acquisition, TrackLabel, Zone, drop_track};
 use crate::wire::plots::{PLOTS, PlotRow};
@@ -51,6 +52,7 @@ pub(super) fn routes(served: Arc<Served>) -> Router {
         .route("/api/v1/sites/{site}/zones", get(zones).post(set_zone))
         .route("/api/v1/sites/{site}/zones/{name}", delete(remove_zone))
         .route("/api/v1/sites/{site}/plots", get(plots))
+        .route("/api/v1/sites/{site}/clutter-map", get(clutter_map))
         .route("/api/v1/system-tracks", get(system_tracks))
         .route("/api/v1/events", get(events))
         .route("/api/v1/live", get(live))
@@ -197,6 +199,11 @@ async fn plots(State(served): Shared, Path(site): Path<String>) -> Response {
         site.last_scan().for_each(|(_, plots)| rows.extend(PlotRow::all(plots, &site.place)));
     });
     refused.unwrap_or_else(|| list(&PLOTS, &rows))
+}
+
+async fn clutter_map(State(served): Shared, Path(site): Path<String>) -> Response {
+    let mut rows = Vec::new();
+    of_site(&served, &site, |site| rows = map_rows(site)).unwrap_or_else(|| list(&MAPS, &rows))
 }
 
 async fn system_tracks(State(served): Shared) -> Response {

@@ -1,8 +1,9 @@
 //! A track explains itself: its state with errors, its models, gates and plots, and the way of its last update.
 
+use common::geometry::Polar;
 use common::tracks::{
-    COASTING, CONFIRMED, GATE_MOST_PROBABLE, GATE_UNION, GATE_WIDEST, GATE_WIDEST_FALLBACK, STATE, TENTATIVE, Track,
-    pack,
+    COASTING, CONFIRMED, GATE_MOST_PROBABLE, GATE_NONE, GATE_UNION, GATE_WIDEST, GATE_WIDEST_FALLBACK, STATE,
+    TENTATIVE, Track, pack,
 };
 use common::units::NS_PER_S;
 use schemars::JsonSchema;
@@ -66,6 +67,19 @@ struct Gate {
     /// Plots in it.
     #[serde(rename = "in_gate")]
     plots: u32,
+    /// Where it lies; `null` where none was searched, and while no plots have told how large a resolution cell is.
+    region: Option<Region>,
+}
+
+/// The gate of all models together for a plot of nominal errors, about the antenna of the site (T9).
+#[derive(Debug, Serialize, JsonSchema)]
+struct Region {
+    range_from_m: f64,
+    range_to_m: f64,
+    azimuth_from_rad: f64,
+    azimuth_to_rad: f64,
+    /// Of its centre.
+    elevation_rad: f64,
 }
 
 /// A plot that took part in the last update.
@@ -116,7 +130,12 @@ impl TrackMessage {
             misses: track.misses,
             age_scans: track.age_scans,
             state_name: state_name(track.state_code),
-            gate: Gate { kind: gate_name(track.gate_code), volume: track.gate_volume, plots: track.plots_in_gate },
+            gate: Gate {
+                kind: gate_name(track.gate_code),
+                volume: track.gate_volume,
+                plots: track.plots_in_gate,
+                region: region_of(site, track),
+            },
             used: used.collect(),
             weight_none: track.weight_none,
             latency_us: stamps.iter().flat_map(StampsUs::hops).map(|(hop, us)| (hop, us.into())).collect(),
@@ -138,6 +157,41 @@ fn state_of(site: &SitePicture, track: &Track) -> (Map<String, Value>, Map<Strin
         }
     }
     (state, sigma)
+}
+
+/// |Δ_i| ≤ α √(p_i + σ_i²) in range and azimuth about the state that was predicted for the last update (T9); σ² is that of
+/// errors that are uniform in a resolution cell (C1).
+fn region_of(site: &SitePicture, track: &Track) -> Option<Region> {
+    let (header, _) = site.plots.back().filter(|(header, _)| header.cell_range_m > 0.0)?;
+    if track.gate_code == GATE_NONE {
+        return None;
+    }
+    let place: [f64; 3] = std::array::from_fn(|axis| track.predicted_state[3 * axis]);
+    let centre = Polar::from_enu(&place.into());
+    let (sin_azimuth, cos_azimuth) = centre.azimuth_rad.sin_cos();
+    let (sin_elevation, cos_elevation) = centre.elevation_rad.sin_cos();
+    let outwards = [cos_elevation * sin_azimuth, cos_elevation * cos_azimuth, sin_elevation];
+    let clockwise = [cos_azimuth, -sin_azimuth, 0.0];
+    let variance = |along: [f64; 3]| {
+        let term = |row: usize, column: usize| {
+            along[row] * along[column] * track.predicted_covariance[pack(3 * row, 3 * column)]
+        };
+        (0..3)
+            .flat_map(|row| (0..3).map(move |column| (row, column)))
+            .map(|(row, column)| term(row, column))
+            .sum::<f64>()
+    };
+    let ground_m = (centre.range_m * cos_elevation).max(1.0);
+    let half = |predicted: f64, cell: f64| site.gate_alpha * (predicted + cell * cell / 12.0).sqrt();
+    let range_m = half(variance(outwards), header.cell_range_m);
+    let azimuth_rad = half(variance(clockwise) / (ground_m * ground_m), header.cell_azimuth_rad);
+    Some(Region {
+        range_from_m: (centre.range_m - range_m).max(0.0),
+        range_to_m: centre.range_m + range_m,
+        azimuth_from_rad: centre.azimuth_rad - azimuth_rad,
+        azimuth_to_rad: centre.azimuth_rad + azimuth_rad,
+        elevation_rad: centre.elevation_rad,
+    })
 }
 
 fn state_name(code: u32) -> &'static str {
@@ -173,13 +227,18 @@ mod tests {
         let mut picture = Picture::new(&Sites::one(ChainConfig::default()));
         let plot =
             Plot { range_m: 1000.0, azimuth_rad: std::f64::consts::FRAC_PI_2, flags: HAS_ELEVATION, ..Plot::default() };
-        let plots = PlotsHeader { seq: 5, sectors_per_scan: 8, ..PlotsHeader::default() };
+        let cell_azimuth_rad = 72e-6_f64.sqrt();
+        let plots =
+            PlotsHeader { seq: 5, sectors_per_scan: 8, cell_range_m: 6.0, cell_azimuth_rad, ..PlotsHeader::default() };
         picture.take(0, RecordedRef::Plots(&plots, &[plot]), 0);
         let mut track = Track { id: 3, known: 6, models: 1, state_code: CONFIRMED, weight_none: 0.2, ..Track::EMPTY };
         track.model_kind[0] = KIND_CONSTANT_VELOCITY;
         track.model_probability[0] = 1.0;
         track.state[4] = -7.0;
         track.covariance[pack(0, 0)] = 25.0;
+        // At 90°, 1000 m: the range is east, the azimuth north.
+        (track.gate_code, track.predicted_state[0]) = (GATE_UNION, 1000.0);
+        (track.predicted_covariance[pack(0, 0)], track.predicted_covariance[pack(3, 3)]) = (397.0, 94.0);
         track.used[0] = UsedPlot { seq: 5, index: 0, weight: 0.8, gates: 1, reserved: 0 };
         track.used[1] = UsedPlot { seq: 4, index: 9, weight: 0.1, gates: 1, reserved: 0 };
         picture.take(0, RecordedRef::Tracks(&TracksHeader::default(), &[track]), 0);
@@ -193,5 +252,13 @@ mod tests {
         assert!(told["state"].get("ax").is_none(), "the filter does not know accelerations");
         assert!((told["used"][0]["x_m"].as_f64().expect("its place") - 1000.0).abs() < 1e-9);
         assert!(told["used"][1]["x_m"].is_null(), "its message is not there");
+        let region = |key: &str| told["gate"]["region"][key].as_f64().expect("the gate");
+        // 3.5 √(397 + 6²/12) m and 3.5 √(94/1000² + 72·10⁻⁶/12) rad.
+        assert!((region("range_from_m") - 930.0).abs() < 1e-9 && (region("range_to_m") - 1070.0).abs() < 1e-9);
+        let half = std::f64::consts::FRAC_PI_2 - region("azimuth_from_rad");
+        assert!(
+            (half - 0.035).abs() < 1e-12
+                && (region("azimuth_to_rad") - region("azimuth_from_rad") - 2.0 * half).abs() < 1e-12
+        );
     }
 }

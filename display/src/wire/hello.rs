@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use common::config::{ChainConfig, Estimator, Position, Sites, Source};
 use common::latency::LATENCY_NAMES;
+use common::messages::{ForTopic, Message};
+use common::topic::Topic;
 use common::topology::{self, Stage};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -51,6 +53,8 @@ pub struct Chain {
     pub sites: Vec<Site>,
     /// The processes and what passes between them.
     pub stages: Vec<StageOfChain>,
+    /// Messages for which there is room in the queue of a consumer, by topic.
+    pub queues: BTreeMap<&'static str, usize>,
     /// The extent of the recording.
     pub recording: Option<Extent>,
 }
@@ -95,8 +99,8 @@ pub struct Site {
     estimator: Estimator,
     /// Names of its models of motion, once a track has told them.
     models: Vec<String>,
-    /// Kinds of maps that can be asked for.
-    maps: Vec<String>,
+    /// Kinds of maps that can be asked for: `clutter`, where false plots fall.
+    maps: Vec<&'static str>,
     /// Limits of latencies by name, µs.
     budgets_us: BTreeMap<&'static str, f64>,
 }
@@ -147,6 +151,7 @@ impl Chain {
             origin: sites.first().site.position.map(place),
             sites: of_sites.map(|(site, picture)| Site::new(site, picture)).collect(),
             stages: stages(sites),
+            queues: Topic::ALL.into_iter().map(|topic| (topic.name(), topic.apply(Room))).collect(),
             recording,
         }
     }
@@ -157,14 +162,7 @@ impl Site {
         let radar = &site.radar;
         let has_cells = matches!(site.origin(), Source::RadarSim | Source::VideoSource);
         let cells = |count: u32| if has_cells { count } else { 0 };
-        let (range_min_m, range_max_m) = match site.origin() {
-            Source::RadarSim | Source::VideoSource => {
-                let first_edge = radar.range_first_m - radar.range_step_m / 2.0;
-                (first_edge.max(0.0), Some(first_edge + radar.range_step_m * f64::from(radar.ranges)))
-            }
-            Source::PlotSource => (0.0, Some(site.plot_source.coverage_range_m)),
-            _ => (0.0, None),
-        };
+        let (range_min_m, range_max_m) = picture.ranges_m;
         let budgets = LATENCY_NAMES.into_iter().zip(site.budget.all());
         let measures_height = has_cells && radar.elevations > 1 || site.origin() == Source::Fusion;
         let models = picture.models.clone();
@@ -185,9 +183,20 @@ impl Site {
             has_truth: site.origin() != Source::External,
             estimator: site.tracker.estimator,
             models,
-            maps: Vec::new(),
+            maps: if topology::runs(site, topology::TRACKER) { vec!["clutter"] } else { Vec::new() },
             budgets_us: budgets.map(|(name, budget)| (name, budget.limit_us)).collect(),
         }
+    }
+}
+
+/// Room in the queue of a consumer of a topic, messages.
+struct Room;
+
+impl ForTopic for Room {
+    type Out = usize;
+
+    fn call<M: Message>(self) -> usize {
+        M::QUEUE
     }
 }
 

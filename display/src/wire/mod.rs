@@ -1,5 +1,6 @@
 //! What clients are sent, and what they ask for: `docs/display-api.md` describes it for programs.
 
+pub mod clutter;
 pub mod columns;
 pub mod explain;
 pub mod hello;

@@ -47,7 +47,7 @@ pub struct Want {
     pub truth: bool,
     /// System tracks.
     pub system_tracks: bool,
-    /// Maps; there are none in this version.
+    /// Where false plots fall.
     pub maps: bool,
     /// What `status --json` says, about once a second.
     pub health: bool,

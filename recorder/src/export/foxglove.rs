@@ -39,28 +39,69 @@ pub(super) struct Viewer {
 
 /// JSON Schema of a message of this name: the fields that are sent. Viewers know the names.
 pub(super) fn schema(name: &str) -> Value {
-    let time =
-        json!({ "type": "object", "properties": { "sec": { "type": "integer" }, "nsec": { "type": "integer" } } });
+    let (integer, number, text, truth) = (kind("integer"), kind("number"), kind("string"), kind("boolean"));
+    let time = object(&json!({ "sec": integer, "nsec": integer }));
     let properties = match name {
-        SCENE => json!({
-            "deletions": { "type": "array", "items": { "type": "object", "properties": {
-                "timestamp": time, "type": { "type": "integer" }, "id": { "type": "string" },
-            } } },
-            "entities": { "type": "array", "items": { "type": "object", "properties": {
-                "timestamp": time, "frame_id": { "type": "string" }, "id": { "type": "string" }, "lifetime": time,
-                "frame_locked": { "type": "boolean" }, "spheres": { "type": "array" }, "lines": { "type": "array" },
-                "texts": { "type": "array" },
-            } } },
-        }),
-        MAP => json!({ "geojson": { "type": "string" } }),
+        SCENE => {
+            let point = object(&json!({ "x": number, "y": number, "z": number }));
+            let color = object(&json!({ "r": number, "g": number, "b": number, "a": number }));
+            let turn = object(&json!({ "x": number, "y": number, "z": number, "w": number }));
+            let pose = object(&json!({ "position": point, "orientation": turn }));
+            json!({
+                "deletions": list(&object(&json!({ "timestamp": time, "type": integer, "id": text }))),
+                "entities": list(&object(&json!({
+                    "timestamp": time,
+                    "frame_id": text,
+                    "id": text,
+                    "lifetime": time,
+                    "frame_locked": truth,
+                    "metadata": list(&object(&json!({ "key": text, "value": text }))),
+                    "spheres": list(&object(&json!({ "pose": pose, "size": point, "color": color }))),
+                    "lines": list(&object(&json!({
+                        "type": integer,
+                        "pose": pose,
+                        "thickness": number,
+                        "scale_invariant": truth,
+                        "points": list(&point),
+                        "color": color,
+                        "colors": list(&color),
+                        "indices": list(&integer),
+                    }))),
+                    "texts": list(&object(&json!({
+                        "pose": pose,
+                        "billboard": truth,
+                        "font_size": number,
+                        "scale_invariant": truth,
+                        "color": color,
+                        "text": text,
+                    }))),
+                }))),
+            })
+        }
+        MAP => json!({ "geojson": text }),
         _ => json!({
-            "timestamp": time, "frame_id": { "type": "string" }, "latitude": { "type": "number" },
-            "longitude": { "type": "number" }, "altitude": { "type": "number" },
-            "position_covariance": { "type": "array", "items": { "type": "number" } },
-            "position_covariance_type": { "type": "integer" },
+            "timestamp": time,
+            "frame_id": text,
+            "latitude": number,
+            "longitude": number,
+            "altitude": number,
+            "position_covariance": list(&number),
+            "position_covariance_type": integer,
         }),
     };
     json!({ "title": name, "type": "object", "properties": properties })
+}
+
+fn kind(name: &str) -> Value {
+    json!({ "type": name })
+}
+
+fn object(properties: &Value) -> Value {
+    json!({ "type": "object", "properties": properties })
+}
+
+fn list(items: &Value) -> Value {
+    json!({ "type": "array", "items": items })
 }
 
 fn time(time_ns: u64) -> Value {

@@ -193,6 +193,20 @@ impl ClutterMap {
         move |plot| self.expect(plot, scan, scans, &own)
     }
 
+    /// False plots to expect in a resolution cell and scan at a range, azimuth, elevation and range rate, as of the latest plot.
+    pub fn expected_per_cell(&self, polar: &[f64; COORDINATES]) -> f64 {
+        if self.bins.is_empty() {
+            return self.base;
+        }
+        let scan = self.latest_scan;
+        self.base + self.look_up(polar, scan, self.scans_learnt(scan), &OwnPlots::default()).per_cell[0]
+    }
+
+    /// The same where nothing has been learnt.
+    pub fn least_expected(&self) -> f64 {
+        self.base
+    }
+
     /// Adds a plot of which the map has counted `share` to those of a track; bins that the track has left are forgotten.
     pub fn add_own(&self, own: &mut OwnPlots, plot: &Measurement, share: f64) {
         if share < NOTHING || self.memory_scans <= 0.0 {
@@ -236,7 +250,7 @@ impl ClutterMap {
     }
 
     fn expect(&self, plot: &Measurement, scan: u32, scans: f64, own: &OwnPlots) -> FalsePlots {
-        let found = if self.bins.is_empty() { Found::default() } else { self.look_up(plot, scan, scans, own) };
+        let found = if self.bins.is_empty() { Found::default() } else { self.look_up(&plot.polar, scan, scans, own) };
         let [all, outliers] = found.per_cell;
         // In a crowd, of strength unknown.
         let crowd = f64::from(plot.crowd);
@@ -251,12 +265,12 @@ impl ClutterMap {
         }
     }
 
-    fn look_up(&self, plot: &Measurement, scan: u32, scans: f64, own: &OwnPlots) -> Found {
+    fn look_up(&self, polar: &[f64; COORDINATES], scan: u32, scans: f64, own: &OwnPlots) -> Found {
         let mut found = Found::default();
         let mut nested = [0.0; 2];
         let noise = self.detector.noise_mean_excess() as f32;
         for (map, form) in self.maps.iter().enumerate() {
-            let key = self.key(map, &plot.polar);
+            let key = self.key(map, polar);
             let mut sums = [0.0; 3];
             if let Some(bin) = self.bins.get(&key) {
                 sums = bin.at(scan, self.memory_scans).sums;
@@ -266,7 +280,7 @@ impl ClutterMap {
                 }
             }
             let [plots, excess, outliers] = sums;
-            let cells = self.cells_of(*form, &plot.polar);
+            let cells = self.cells_of(*form, polar);
             // Strong plots that are few may be targets'.
             let counts = [f64::from(plots), (f64::from(outliers) - OUTLIERS_IGNORED).max(0.0)];
             for (k, count) in counts.into_iter().enumerate() {

@@ -3,6 +3,9 @@
 use common::health::FalseAlarms;
 use common::plots::PlotsHeader;
 
+use super::false_alarm_map::FalseAlarmMap;
+use super::measurement::Measurement;
+
 /// Turns over which false alarms are remembered.
 const MEMORY_TURNS: f64 = 100.0;
 /// Turns that the tracks of targets there from the start are given, so that their plots are theirs.
@@ -17,12 +20,17 @@ pub struct FalseAlarmCount {
     turns: u32,
     found: f64,
     cells: f64,
+    /// Turns that the sums stand for.
+    scans: f64,
+    /// Least width of a ring of the map, m.
+    finest_m: f64,
+    map: FalseAlarmMap,
 }
 
 impl FalseAlarmCount {
     /// Takes what the header of a sector says of the cells behind its plots; `dimensions` are those measured.
     pub fn test(&mut self, header: &PlotsHeader, dimensions: usize) {
-        self.pfa = header.pfa;
+        (self.pfa, self.finest_m) = (header.pfa, header.cell_range_m);
         // Neighbouring cells over threshold become one plot: of a cell and those before it in each direction, the first counts.
         let neighbours = f64::from(3_u32.pow(dimensions as u32) - 1) / 2.0;
         let alone = (-neighbours * header.pfa).exp();
@@ -32,18 +40,32 @@ impl FalseAlarmCount {
     }
 
     /// Takes a plot; `unclaimed` is the probability that no track has caused it.
-    pub fn observe(&mut self, unclaimed: f64) {
+    pub fn observe(&mut self, plot: &Measurement, unclaimed: f64) {
         if self.turns >= TURNS_TO_START {
             self.found += unclaimed;
+            self.map.observe(plot, unclaimed, self.finest_m);
         }
     }
 
     /// A turn has ended.
     pub fn end_turn(&mut self) {
+        self.scans += f64::from(u8::from(self.turns >= TURNS_TO_START));
         self.turns = self.turns.saturating_add(1);
-        for sum in [&mut self.found, &mut self.cells] {
-            *sum *= 1.0 - 1.0 / MEMORY_TURNS;
+        let keep = 1.0 - 1.0 / MEMORY_TURNS;
+        for sum in [&mut self.found, &mut self.cells, &mut self.scans] {
+            *sum *= keep;
         }
+        self.map.end_turn(keep as f32, self.finest_m);
+    }
+
+    /// Where they fall.
+    pub fn map(&self) -> &FalseAlarmMap {
+        &self.map
+    }
+
+    /// Turns that the map stands for, and cells tested in them; earlier ones count less.
+    pub fn tested(&self) -> (f64, f64) {
+        (self.scans, self.cells)
     }
 
     /// Set and measured probability of a false alarm; zeros where a radar does not say its own, or while there are few.
@@ -62,11 +84,11 @@ mod tests {
 
     /// 40 turns of `plots` false plots each in `cells` cells.
     fn after(plots: u32, cells: u64, pfa: f64) -> FalseAlarms {
-        let mut count = FalseAlarmCount::default();
+        let (mut count, plot) = (FalseAlarmCount::default(), Measurement::at(1000.0, 1.0));
         for _ in 0..40 {
-            count.test(&PlotsHeader { cells, pfa, ..PlotsHeader::default() }, 2);
+            count.test(&PlotsHeader { cells, pfa, cell_range_m: 10.0, ..PlotsHeader::default() }, 2);
             for _ in 0..plots {
-                count.observe(1.0);
+                count.observe(&plot, 1.0);
             }
             count.end_turn();
         }

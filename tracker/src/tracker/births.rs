@@ -55,7 +55,7 @@ impl Tracker {
                 self.plots.entry_mut(index).owner = Some(handle);
             }
             environment.clutter.observe(self.plots.measurement(index), 1.0 - claimed, turn);
-            environment.false_alarms.observe(1.0 - claimed);
+            environment.false_alarms.observe(self.plots.measurement(index), 1.0 - claimed);
         }
     }
 
