@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cell (i, j):  azimuth i Δβ … (i + 1) Δβ,  range j Δr … (j + 1) Δr
-//! found n = Σ κ^age (1 − claimed) over the plots in the cell;  promised  = pfa Σ κ^age cells tested in it
+//! found n = Σ κ^age (1 − claimed) over the plots in the cell;  promised  = pfa Σ κ^age cells tested, as if the same number in each wedge
 //! ```
 
 use std::io;

@@ -348,6 +348,7 @@ pub struct Health {
     pub clock_uncertainty_us: f32,
     /// By place in `inputs`: one more than the most messages that one has found waiting before it since the last report; 0 where
     /// the process does not say.
+    #[serde(default)]
     pub waiting: [u32; INPUTS],
 }
 
@@ -378,10 +379,11 @@ impl Health {
         self.inputs[place.unwrap_or(INPUTS - 1)] = Input { topic: name, intake };
     }
 
-    /// Notes the most messages of a topic whose intake is noted that one has found waiting before it since the last report.
-    pub fn set_waiting(&mut self, topic: Topic, most: u32) {
+    /// Notes the most messages of a topic whose intake is noted that one has found waiting before it since the last report, if they say when they were
+    /// published.
+    pub fn set_waiting(&mut self, topic: Topic, most: Option<u32>) {
         if let Some(place) = self.inputs.iter().position(|input| input.topic.as_str() == topic.name()) {
-            self.waiting[place] = most + 1;
+            self.waiting[place] = most.map_or(0, |most| most + 1);
         }
     }
 

@@ -19,11 +19,12 @@ export class Legend {
   /** Shows the maps that are switched on; a map of which nothing is known yet says so. */
   update({ picture, layers }) {
     const messages = [...picture.maps.values()];
+    const learnt = (picture.hello?.sites ?? []).some((of) => of.maps.length > 0);
     const promised = messages.some(({ data }) => data.promised_per_scan.some((share) => share > 0));
     for (const [name, { entry, title, scale }] of this.entries) {
       const known = messages.length > 0;
-      entry.hidden = !layers[name];
-      setText(title, known ? MAPS[name].title({ promised }) : "No map yet: the tracker learns it from ten scans on");
+      entry.hidden = !layers[name] || !learnt;
+      setText(title, known ? MAPS[name].title({ promised }) : "No map yet: the tracker learns it from the ninth scan on");
       const marks = known ? MAPS[name].scale({ promised }) : [];
       if (scale.children.length !== marks.length) scale.replaceChildren(...marks.map(() => element("span")));
       marks.forEach((mark, i) => setText(scale.children[i], mark));

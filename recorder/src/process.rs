@@ -150,7 +150,7 @@ trait Input {
     fn publishers(&self) -> usize;
 
     /// The most messages that one has found waiting before it since the last call.
-    fn take_most_waiting(&self) -> u32;
+    fn take_most_waiting(&self) -> Option<u32>;
 }
 
 impl<M: Message> Input for Subscriber<M> {
@@ -171,7 +171,7 @@ impl<M: Message> Input for Subscriber<M> {
         Subscriber::publishers(self)
     }
 
-    fn take_most_waiting(&self) -> u32 {
+    fn take_most_waiting(&self) -> Option<u32> {
         Subscriber::take_most_waiting(self)
     }
 }

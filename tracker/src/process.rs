@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use common::commands::{ACCEPTED, Command, CommandsHeader, REMOVE_ZONE};
-use common::config::Source;
+use common::config::{Mode, Source};
 use common::health::{Reject, Rejected};
 use common::ipc::{Domain, Flow, IpcError, Station, Subscriber, Turn, attend};
 use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, TRUNCATED};
@@ -82,6 +82,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             orders.follow_up(&mut tracker, message.header(), tell)?;
             if header.has(END_OF_SCAN)
                 && header.scan.is_multiple_of(SCANS_OF_A_MAP)
+                && (chain.run.mode == Mode::Lossless || maps.is_heard()) // in real time nobody waits for who hears maps
                 && let Some(map) = tracker.clutter_map(message.header(), &mut cells)
             {
                 let published = maps.publish(&map, &cells, |map| {

@@ -41,7 +41,7 @@ pub(super) trait Inlet<M: Message> {
 
     fn intake(&self) -> Intake;
 
-    fn take_most_waiting(&self) -> u32;
+    fn take_most_waiting(&self) -> Option<u32>;
 }
 
 /// Sends messages of one topic and wakes their consumers.
@@ -136,7 +136,7 @@ impl<M: Message> Subscriber<M> {
     }
 
     /// The most messages that one has found waiting before it, of those received since the last call.
-    pub fn take_most_waiting(&self) -> u32 {
+    pub fn take_most_waiting(&self) -> Option<u32> {
         self.0.take_most_waiting()
     }
 }

@@ -123,7 +123,7 @@ impl<M: Message> Inlet<M> for SubscriberPort<M> {
         *self.intake.borrow()
     }
 
-    fn take_most_waiting(&self) -> u32 {
+    fn take_most_waiting(&self) -> Option<u32> {
         self.backlog.borrow_mut().take_most()
     }
 }

@@ -2,8 +2,8 @@
 
 use common::geometry::Polar;
 use common::tracks::{
-    COASTING, CONFIRMED, GATE_MOST_PROBABLE, GATE_NONE, GATE_UNION, GATE_WIDEST, GATE_WIDEST_FALLBACK, STATE,
-    TENTATIVE, Track, pack,
+    COASTING, CONFIRMED, GATE_MOST_PROBABLE, GATE_UNION, GATE_WIDEST, GATE_WIDEST_FALLBACK, STATE, TENTATIVE, Track,
+    pack,
 };
 use common::units::NS_PER_S;
 use schemars::JsonSchema;
@@ -67,7 +67,7 @@ struct Gate {
     /// Plots in it.
     #[serde(rename = "in_gate")]
     plots: u32,
-    /// Where it lies; `null` where none was searched, and while no plots have told how large a resolution cell is.
+    /// Where it lies; `null` while no plots have told how large a resolution cell is. That of all models together: a gate rule that chooses one searches less.
     region: Option<Region>,
 }
 
@@ -159,13 +159,10 @@ fn state_of(site: &SitePicture, track: &Track) -> (Map<String, Value>, Map<Strin
     (state, sigma)
 }
 
-/// |Δ_i| ≤ α √(p_i + σ_i²) in range and azimuth about the state that was predicted for the last update (T9); σ² is that of
+/// Of the state with all its models together: |Δ_i| ≤ α √(p_i + σ_i²) in range and azimuth about the state that was predicted for the last update (T9); σ² is that of
 /// errors that are uniform in a resolution cell (C1).
 fn region_of(site: &SitePicture, track: &Track) -> Option<Region> {
     let (header, _) = site.plots.back().filter(|(header, _)| header.cell_range_m > 0.0)?;
-    if track.gate_code == GATE_NONE {
-        return None;
-    }
     let place: [f64; 3] = std::array::from_fn(|axis| track.predicted_state[3 * axis]);
     let centre = Polar::from_enu(&place.into());
     let (sin_azimuth, cos_azimuth) = centre.azimuth_rad.sin_cos();

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! crowd = (M − usual) / cells of the box about the M plots of three cells of azimuth,   for M of at least 8
-//! usual = max(3, plots of the last turn · 3 δ_β / what of it has been seen)
+//! usual = max(3, plots of the last turn · 3 δ_β / 2π)
 //! ```
 //!
 //! The clutter map knows where such plots have been; this says that they are here now. In a sky full of targets all azimuths have many plots,
@@ -23,8 +23,7 @@ const BEAM_CELLS: f64 = 3.0;
 pub(super) fn mark(angles_rad: &[f64], plots: &mut [Measurement], first: usize, radar: &Radar) {
     let (Some(&angle_rad), Some(&newest_rad)) = (angles_rad.get(first), angles_rad.last()) else { return };
     let turn = plots.len() - angles_rad.partition_point(|angle| *angle < newest_rad - TAU);
-    let span_rad = (newest_rad - angles_rad[0] + radar.cell[1]).min(TAU);
-    let usual = (turn as f64 * BEAM_CELLS * radar.cell[1] / span_rad).max(FEW as f64);
+    let usual = (turn as f64 * BEAM_CELLS * radar.cell[1] / TAU).max(FEW as f64);
     let cell_of = |angle_rad: f64| (angle_rad / radar.cell[1]).floor();
     // The first plot of an azimuth cell.
     let start_of = |cell: f64| angles_rad.partition_point(|angle| cell_of(*angle) < cell);

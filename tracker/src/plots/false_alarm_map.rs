@@ -1,7 +1,6 @@
 //! Where false alarms fall: plots that no track explains, in a polar grid that covers all of them.
 //!
-//! The rings are as narrow as a resolution cell at first. A plot beyond the last one doubles their width; it is halved again when
-//! nothing is left in the outer half.
+//! The rings are as narrow as a resolution cell at first. A plot beyond the last one doubles their width.
 
 use std::f64::consts::TAU;
 
@@ -78,14 +77,9 @@ impl FalseAlarmMap {
     }
 
     /// A turn has ended, of which `keep` is what remains.
-    pub(super) fn end_turn(&mut self, keep: f32, finest_m: f64) {
+    pub(super) fn end_turn(&mut self, keep: f32) {
         for bin in &mut self.bins {
             *bin = bin.times(keep);
-        }
-        let outer_is_empty =
-            || self.bins.chunks_exact(RANGES).all(|rings| rings[RANGES / 2..].iter().all(|bin| bin.plots < FADED));
-        if self.range_step_m > finest_m && outer_is_empty() {
-            self.narrow();
         }
     }
 
@@ -121,16 +115,6 @@ impl FalseAlarmMap {
             rings[RANGES / 2..].fill(Bin::default());
         }
     }
-
-    /// What lay in one ring lies in two, half in each.
-    fn narrow(&mut self) {
-        self.range_step_m /= 2.0;
-        for rings in self.bins.chunks_exact_mut(RANGES) {
-            for ring in (0..RANGES).rev() {
-                rings[ring] = rings[ring / 2].times(0.5);
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -142,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plot_beyond_the_grid_widens_it_and_it_narrows_when_that_is_forgotten() {
+    fn a_plot_beyond_the_grid_widens_it_and_nothing_is_lost() {
         let mut map = FalseAlarmMap::default();
         let plot = |range_m, wedge: f64| Measurement::at(range_m, (wedge + 0.5) * FalseAlarmMap::AZIMUTH_STEP_RAD);
         for _ in 0..4 {
@@ -154,8 +138,26 @@ mod tests {
         assert_eq!(held(&map), [(2, 10, 4.0), (2, 11, 2.0)]);
         map.observe(&plot(1000.0, 89.0), 1.0, 10.0);
         assert_eq!((map.range_step_m(), held(&map)), (20.0, vec![(2, 5, 6.0), (89, 50, 1.0)]));
-        map.end_turn(0.5, 10.0);
-        assert_eq!((map.range_step_m(), held(&map)), (10.0, vec![(2, 10, 1.5), (2, 11, 1.5)]));
+        map.end_turn(0.5);
+        assert_eq!((map.range_step_m(), held(&map)), (20.0, vec![(2, 5, 3.0)]));
+    }
+
+    /// Half a plot a scan at one far place, among plots that come but once.
+    #[test]
+    fn what_comes_again_and_again_far_away_is_kept() {
+        let mut map = FalseAlarmMap::default();
+        for turn in 0..200_u32 {
+            for k in 0..20 {
+                let (range, wedge) = (f64::from((turn * 20 + k) * 37 % 500), f64::from((turn * 20 + k) * 53 % 80));
+                map.observe(&Measurement::at(range, (wedge + 0.5) * FalseAlarmMap::AZIMUTH_STEP_RAD), 1.0, 10.0);
+            }
+            let fixed = Measurement::at(900.0, 85.5 * FalseAlarmMap::AZIMUTH_STEP_RAD);
+            map.observe(&fixed, 0.5, 10.0);
+            map.end_turn(0.99);
+        }
+        let found = held(&map).into_iter().find(|cell| cell.0 == 85).expect("a cell").2;
+        let expected = 0.5 * 0.99 * (1.0 - 0.99_f32.powi(200)) / 0.01;
+        assert!((found / expected - 1.0).abs() < 1e-3, "{found}, expected {expected}");
     }
 
     #[test]

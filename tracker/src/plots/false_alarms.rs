@@ -55,7 +55,7 @@ impl FalseAlarmCount {
         for sum in [&mut self.found, &mut self.cells, &mut self.scans] {
             *sum *= keep;
         }
-        self.map.end_turn(keep as f32, self.finest_m);
+        self.map.end_turn(keep as f32);
     }
 
     /// Where they fall.
