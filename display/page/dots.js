@@ -26,7 +26,7 @@ void main() {
 }`;
 
 /** Steps in which a point fades. */
-const SHADES = 32;
+export const SHADES = 32;
 
 export class DotProgram {
   constructor(gl) {
@@ -86,29 +86,47 @@ class Dots {
     this.changed = true;
   }
 
-  /** One point; a colour has red in its lowest byte. This is the inner loop: plain numbers only. */
-  point(x, y, z, size, colour) {
-    const { width, pixels, low, high } = this;
-    let u = x;
-    let v = y;
-    if (this.foot) {
-      const east = x - this.foot[0];
-      const north = y - this.foot[1];
-      u = Math.sqrt(east * east + north * north);
-      v = z;
+  /** Points of a ring from one place in it to another. This is the inner loop: plain numbers only, and no calls. */
+  points(values, from, to, { now, life, size, shades }) {
+    const { width, pixels, low, high, scale_u, scale_v, left: left_of, bottom: bottom_of } = this;
+    const sideways = this.foot !== null;
+    const east_of = sideways ? this.foot[0] : 0;
+    const north_of = sideways ? this.foot[1] : 0;
+    const most_left = width - size;
+    const most_bottom = this.height - size;
+    let low_u = low[0];
+    let low_v = low[1];
+    let high_u = high[0] - size;
+    let high_v = high[1] - size;
+    for (let at = from * POINT; at < to * POINT; at += POINT) {
+      const young = 1 - (now - values[at + 3]) / life;
+      let u = values[at];
+      let v = values[at + 1];
+      if (sideways) {
+        u -= east_of;
+        v -= north_of;
+        u = Math.sqrt(u * u + v * v);
+        v = values[at + 2];
+      }
+      const left = Math.floor(u * scale_u + left_of);
+      const bottom = Math.floor(v * scale_v + bottom_of);
+      // False also for what is not a number: a radar without height has nothing to show there.
+      if (!(young > 0 && left >= 0 && bottom >= 0 && left <= most_left && bottom <= most_bottom)) continue;
+      const colour = shades[young < 1 ? Math.ceil(young * SHADES) : SHADES];
+      const first = bottom * width + left;
+      if (size === 1) {
+        pixels[first] = colour;
+      } else {
+        for (let row = 0; row < size; row += 1) {
+          for (let column = 0; column < size; column += 1) pixels[first + row * width + column] = colour;
+        }
+      }
+      if (left < low_u) low_u = left;
+      if (bottom < low_v) low_v = bottom;
+      if (left > high_u) high_u = left;
+      if (bottom > high_v) high_v = bottom;
     }
-    const left = Math.floor(u * this.scale_u + this.left);
-    const bottom = Math.floor(v * this.scale_v + this.bottom);
-    // False also for what is not a number: a radar without height has nothing to show there.
-    if (!(left >= 0 && bottom >= 0 && left + size <= width && bottom + size <= this.height)) return;
-    const first = bottom * width + left;
-    for (let row = 0; row < size; row += 1) {
-      for (let column = 0; column < size; column += 1) pixels[first + row * width + column] = colour;
-    }
-    if (left < low[0]) low[0] = left;
-    if (bottom < low[1]) low[1] = bottom;
-    if (left + size > high[0]) high[0] = left + size;
-    if (bottom + size > high[1]) high[1] = bottom + size;
+    [low[0], low[1], high[0], high[1]] = [low_u, low_v, high_u + size, high_v + size];
   }
 
   /** Binds the texture to unit 0, and sends the rows that hold anything. */
@@ -125,8 +143,14 @@ class Dots {
 
 const shades = new Uint32Array(SHADES + 1);
 
+/** The points of a ring in one colour, which has red in its lowest byte. */
+export function steadyPoints(ring, size, colour, target) {
+  const how = { now: 0, life: Infinity, size, shades: shades.fill(colour) };
+  ring.runs(ring.first, ring.added, (from, count) => target.points(ring.values, from, from + count, how));
+}
+
 /**
- * The points of a ring, which fade to nothing in `life` seconds, by calls of `target.point`.
+ * The points of a ring, which fade to nothing in `life` seconds, by calls of `target.points`.
  * @param {{now: number, life: number, alpha: number, size: number, rgb: number[]}} how `alpha` of the youngest
  */
 export function fadingPoints(ring, { now, life, alpha, size, rgb }, target) {
@@ -135,11 +159,6 @@ export function fadingPoints(ring, { now, life, alpha, size, rgb }, target) {
     const opacity = Math.round(255 * alpha * Math.min(1, (1.3 * i) / SHADES));
     shades[i] = ((opacity << 24) | (b << 16) | (g << 8) | r) >>> 0;
   }
-  const { values } = ring;
-  ring.runs(ring.first, ring.added, (from, count) => {
-    for (let at = from * POINT; at < (from + count) * POINT; at += POINT) {
-      const left = 1 - (now - values[at + 3]) / life;
-      if (left > 0) target.point(values[at], values[at + 1], values[at + 2], size, shades[left < 1 ? Math.ceil(left * SHADES) : SHADES]);
-    }
-  });
+  const how = { now, life, size, shades };
+  ring.runs(ring.since(now - life), ring.added, (from, count) => target.points(ring.values, from, from + count, how));
 }

@@ -1,6 +1,8 @@
 // Symbols of a size in pixels: the form says what a thing is, also without colour.
 
+import { SHADES } from "./dots.js";
 import { PLACE, program, Records, RECORDS, use } from "./gl.js";
+import { POINT } from "./ring.js";
 
 /** Forms by their number in the shader. */
 export const MARK = { tentative: 0, confirmed: 1, coasting: 2, ended: 3, truth: 4, system: 5, used: 6, chosen: 7, dot: 8 };
@@ -93,8 +95,11 @@ class Marks {
     words[at + 5] = colour;
   }
 
-  /** A square dot. */
-  point(x, y, z, size, colour) {
-    this.mark(x, y, z, size, MARK.dot, colour);
+  /** Points of a ring as square dots. */
+  points(values, from, to, { now, life, size, shades }) {
+    for (let at = from * POINT; at < to * POINT; at += POINT) {
+      const young = Math.min(1, 1 - (now - values[at + 3]) / life);
+      if (young > 0) this.mark(values[at], values[at + 1], values[at + 2], size, MARK.dot, shades[Math.ceil(young * SHADES)]);
+    }
   }
 }

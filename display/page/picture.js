@@ -15,6 +15,8 @@ const PLOT_SCANS = 1.4;
 const TRAIL_SCANS = 30;
 const SILENT_SCANS = 4;
 const ENDED_SCANS = 1.5;
+/** What is too old is looked for so often. */
+const EXPIRY_SCANS = 0.1;
 /** The first message need not be the oldest: times begin so long before it. */
 const BEFORE_S = 1000;
 
@@ -54,6 +56,7 @@ export class Picture {
     /** Times are kept in s since this one: numbers of the graphics card have seven digits. */
     this.epoch_s = NaN;
     this.latest_s = 0;
+    this.expired_s = NaN;
     this.version = 0;
     for (const site of this.sites.values()) site.clear();
   }
@@ -72,7 +75,7 @@ export class Picture {
     site.beam.pass(message, arrived_ms);
     if (message.sector === 0) site.lastScan();
     this.version += 1;
-    if (message.sector % 4 === 0) this.#expire();
+    if (!(this.latest_s - this.expired_s < this.scan_s * EXPIRY_SCANS)) this.#expire();
   }
 
   addPlots(message) {
@@ -158,6 +161,7 @@ export class Picture {
   }
 
   #expire() {
+    this.expired_s = this.latest_s;
     this.plots.expire(this.latest_s - PLOT_SCANS * this.scan_s);
     this.trail.expire(this.latest_s - TRAIL_SCANS * this.scan_s);
     this.truth.expire(this.epoch_s + this.latest_s - SILENT_SCANS * this.scan_s);

@@ -38,6 +38,17 @@ export class Ring {
     while (this.first < this.added && this.values[(this.first % this.capacity) * POINT + 3] < time) this.first += 1;
   }
 
+  /** The first point that is not older than `time`, but for a few. */
+  since(time) {
+    let [from, to] = [Math.max(this.first, this.added - this.capacity), this.added];
+    while (from < to) {
+      const middle = Math.floor((from + to) / 2);
+      if (this.values[(middle % this.capacity) * POINT + 3] < time) from = middle + 1;
+      else to = middle;
+    }
+    return from;
+  }
+
   /** Calls `each(from, count)` with the places of points `from..to` of all that were added: at most two runs. */
   runs(from, to, each) {
     from = Math.max(from, this.added - this.capacity);

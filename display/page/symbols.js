@@ -1,8 +1,9 @@
 // Tracks, truth and errors as symbols and lines, for the plan and for the picture of heights.
 
+import { steadyPoints } from "./dots.js";
 import { MARK, OF_STATE } from "./marks.js";
 import { ENDED, STATES } from "./picture.js";
-import { POINT } from "./ring.js";
+import { POINT, Ring } from "./ring.js";
 
 /** Speed vectors reach to where a target will be after so many scans. */
 const VECTOR_SCANS = 10;
@@ -24,12 +25,16 @@ const SMALLEST_VECTOR_PX = 8;
 /** Of more than this, tracks outside the plan are dots in the picture of heights, and targets are left out. */
 const MANY = 300;
 const DOT_PX = 3;
+/** More dots of one colour than this are not drawn. */
+const MOST_DOTS = 1 << 16;
 
 export class Symbols {
   constructor(strokes, marks) {
     this.lines = strokes.batch();
     this.heightLines = strokes.batch();
     this.marks = marks.batch();
+    /** Tracks that are dots, by their colour. */
+    this.dots = new Map();
   }
 
   /** Everything anew, for what is inside the view; dots go into the images. */
@@ -38,6 +43,7 @@ export class Symbols {
     this.lines.clear();
     this.heightLines.clear();
     this.marks.clear();
+    for (const dots of this.dots.values()) dots.clear();
     this.ellipses = 0;
     const reach_x = (view.width / 2 + MARGIN_PX) / view.scale;
     const reach_y = (view.height / 2 + MARGIN_PX) / view.scale;
@@ -55,6 +61,9 @@ export class Symbols {
     if (layers.tracks) {
       for (const track of picture.tracks.values()) this.#track(track, STATES[track.state], OF_STATE[track.state], this.size);
     }
+    for (const [colour, dots] of this.dots) {
+      for (const image of images) steadyPoints(dots, this.dot, colours.packed(colour), image);
+    }
     if (hovered) this.marks.mark(hovered.x_m, hovered.y_m, hovered.z_m, 22, MARK.chosen, colours.packed("chosen", 0.5));
     const { track } = selection;
     if (track) this.marks.mark(track.x_m, track.y_m, track.z_m, 24, MARK.chosen, colours.packed("chosen"));
@@ -71,12 +80,13 @@ export class Symbols {
   #track(track, colour, form, size) {
     const { lines, heightLines, layers, picture, view } = this;
     const { x_m: x, y_m: y, z_m: z } = track;
-    const faint = track.state === 0 ? 0.8 : 1;
-    const packed = this.colours.packed(colour, faint);
     if (size < SMALLEST_FORM_PX || (picture.tracks.size > MANY && !this.sees(x, y))) {
-      for (const image of this.images) image.point(x, y, z, this.dot, packed | 0xff000000);
+      let dots = this.dots.get(colour);
+      if (!dots) this.dots.set(colour, (dots = new Ring(MOST_DOTS)));
+      dots.add(x, y, z, 0);
       return;
     }
+    const packed = this.colours.packed(colour, track.state === 0 ? 0.8 : 1);
     this.marks.mark(x, y, z, size, form, packed);
     if (track.state === ENDED) return;
     if (layers.vectors && size >= SMALLEST_VECTOR_PX) {
