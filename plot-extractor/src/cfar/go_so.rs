@@ -16,7 +16,7 @@ pub struct GoSoCfar {
     greater: bool,
     /// α/n₁ and α/n₂ for a block of rows, n the cells of the windows before and after a cell. A window
     /// without cells decides nothing: its multiplier is 0 in GO-CFAR. In SO-CFAR, and where both are empty, it is infinite, which
-    /// times the sum 0 is NaN: no power exceeds it.
+    /// times the sum 0 is NaN: no power exceeds it, and neither `max` nor `min` takes it.
     lagging: Vec<f32>,
     leading: Vec<f32>,
     /// Threshold over estimate of unit mean, by range cell.
@@ -92,8 +92,8 @@ impl GoSoCfar {
                         factors.0[cell] * windows.lagging[cell],
                         factors.1[cell] * windows.leading[cell],
                     );
-                    if is_over(power, lagging, leading, self.greater) {
-                        let threshold = if self.greater { lagging.max(leading) } else { lagging.min(leading) };
+                    let threshold = if self.greater { lagging.max(leading) } else { lagging.min(leading) };
+                    if power > threshold {
                         let cell = ((block * BLOCK_ROWS + row) * ranges + range) as u32;
                         hits.push(Hit { cell, power, noise: threshold / factor });
                     }
@@ -104,24 +104,21 @@ impl GoSoCfar {
     }
 }
 
-/// Whether a power exceeds the greater or the smaller one of two thresholds, of which one that is NaN decides nothing.
-#[expect(clippy::inline_always, reason = "compiled for the instructions of its caller")]
-#[inline(always)]
-fn is_over(power: f32, lagging: f32, leading: f32, greater: bool) -> bool {
-    if greater { power > lagging && power > leading } else { power > lagging || power > leading }
-}
-
-/// Whether any power exceeds its threshold.
+/// Whether any power exceeds its threshold: both that of the one window and that of the other (GO), or one of them (SO). One that is
+/// NaN decides nothing.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
 fn any_over(powers: &[f32], sums: (&[f32], &[f32]), factors: (&[f32], &[f32]), greater: bool) -> bool {
-    let any = |greater: bool| {
-        let mut over = 0_u32;
-        let lagging = sums.0.iter().zip(factors.0);
-        let leading = sums.1.iter().zip(factors.1);
-        for ((&power, (&before, &a)), (&after, &b)) in powers.iter().zip(lagging).zip(leading) {
-            over |= u32::from(is_over(power, a * before, b * after, greater));
-        }
-        over > 0
-    };
-    if greater { any(true) } else { any(false) }
+    if greater { any(powers, sums, factors, |a, b| a & b) } else { any(powers, sums, factors, |a, b| a | b) }
+}
+
+#[expect(clippy::inline_always, reason = "compiled for the instructions of its caller")]
+#[inline(always)]
+fn any(powers: &[f32], sums: (&[f32], &[f32]), factors: (&[f32], &[f32]), is_over: impl Fn(u32, u32) -> u32) -> bool {
+    let mut over = 0;
+    let lagging = sums.0.iter().zip(factors.0);
+    let leading = sums.1.iter().zip(factors.1);
+    for ((&power, (&before, &a)), (&after, &b)) in powers.iter().zip(lagging).zip(leading) {
+        over |= is_over(u32::from(power > a * before), u32::from(power > b * after));
+    }
+    over > 0
 }
