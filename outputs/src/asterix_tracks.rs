@@ -1,6 +1,6 @@
 //! Tracks as ASTERIX: category 062 for the tracks, category 065 once a scan for the state of the system.
 
-use asterix::cat062::{Accuracy, Movement, SystemTrack};
+use asterix::cat062::{Accuracy, LocalTrack, Movement, SystemTrack};
 use asterix::cat065::SystemStatus;
 use asterix::report::TimeOfDay;
 use asterix::tables::{CAT062_1_21, CAT065_1_6};
@@ -11,7 +11,7 @@ use common::tracks::{
 use common::units::DAY_NS;
 
 use crate::format::{Format, Frames, Update};
-use crate::targets::{Site, Target};
+use crate::targets::Target;
 
 /// Largest datagram, octets: it fits into one packet of an Ethernet.
 pub(crate) const LARGEST: usize = 1400;
@@ -30,7 +30,7 @@ pub struct AsterixTracks {
 impl Format for AsterixTracks {
     fn tracks(&mut self, update: &Update<'_>, out: &mut Frames) {
         for target in update.targets {
-            let record = system_track(update.site, target);
+            let record = system_track(update, target);
             self.record.clear();
             let mut block = BlockWriter::new(CAT062_1_21, &mut self.record);
             if block.record(|writer| record.write(writer)).is_err() {
@@ -63,12 +63,16 @@ fn status(update: &Update<'_>, octets: &mut Vec<u8>) -> Result<(), EncodeError> 
     BlockWriter::new(CAT065_1_6, octets).record(|writer| status.write(writer))
 }
 
-fn system_track(site: &Site, target: &Target<'_>) -> SystemTrack {
-    let track = target.track;
+fn system_track(update: &Update<'_>, target: &Target<'_>) -> SystemTrack {
+    let (site, track) = (update.site, target.track);
     let [x, vx, ax, y, vy, ay, _, vz, _] = track.state;
     let sigma = |component: usize| target.sigma(component);
     let has_height = target.has_height();
     let knows_acceleration = usize::from(track.known) == STATE;
+    let mut local = [None; 8];
+    for (local, (unit, id)) in local.iter_mut().zip(update.origins.contributors(track.id)) {
+        *local = Some(LocalTrack { unit, number: id as u16 & LocalTrack::LARGEST_NUMBER });
+    }
     SystemTrack {
         source: site.source(),
         number: track.id as u16,
@@ -96,6 +100,8 @@ fn system_track(site: &Site, target: &Target<'_>) -> SystemTrack {
             acceleration_mps2: knows_acceleration.then(|| [sigma(2), sigma(5)]),
             climb_rate_mps: has_height.then(|| sigma(7)),
         }),
+        local,
+        plot: update.origins.plot(track).map(|plot| (site.source(), plot.range_m, plot.azimuth_rad)),
         ..SystemTrack::default()
     }
 }
@@ -151,12 +157,16 @@ fn movement(track: &Track, has_height: bool) -> Movement {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::origins::Origins;
     use crate::targets::Roster;
+    use crate::targets::Site;
     use crate::targets::tests::{NOON_NS, site, targets, track};
     use asterix::block::Blocks;
     use asterix::record::Records;
     use asterix::report::SourceId;
     use common::config::{ChainConfig, OutputConfig, Source};
+    use common::plots::{Plot, PlotsHeader};
+    use common::system_tracks::{self, CONTRIBUTORS, Contributor, SystemTracksHeader};
     use common::tracks::{CONFIRMED, TERMINATED};
 
     /// Tracks and the number of status messages in datagrams.
@@ -178,8 +188,17 @@ mod tests {
     }
 
     fn send(out: &mut AsterixTracks, site: &Site, targets: &[Target<'_>], ends_scan: bool) -> Frames {
+        send_with(out, site, &Origins::default(), (targets, ends_scan))
+    }
+
+    fn send_with(
+        out: &mut AsterixTracks,
+        site: &Site,
+        origins: &Origins,
+        (targets, ends_scan): (&[Target<'_>], bool),
+    ) -> Frames {
         let mut frames = Frames::default();
-        let update = Update { site, time_ns: NOON_NS, ends_scan, targets, latency_ns: 0 };
+        let update = Update { site, time_ns: NOON_NS, ends_scan, targets, origins, latency_ns: 0 };
         out.tracks(&update, &mut frames);
         frames
     }
@@ -223,6 +242,27 @@ mod tests {
         let frames = send(&mut AsterixTracks::default(), &Site::new(&chain, false), &targets(&tracks), false);
         let (sent, _) = read(&frames);
         assert!(!sent[0].monosensor && !sent[0].simulated);
+        assert_eq!((sent[0].plot, sent[0].local), (None, [None; 8]));
+    }
+
+    #[test]
+    fn a_track_says_of_which_plot_and_of_which_tracks_it_is() {
+        let mut origins = Origins::new(vec![7, 8]);
+        let plot = Plot { range_m: 14_000.0, azimuth_rad: 2.0, ..Plot::default() };
+        origins.take_plots(&PlotsHeader { seq: 3, sectors_per_scan: 32, ..PlotsHeader::default() }, &[plot]);
+        let mut contributors = [Contributor::default(); CONTRIBUTORS];
+        contributors[0] = Contributor { id: 0x8001, site: 1, reserved: 0 };
+        contributors[1] = Contributor { id: 12, site: 0, reserved: 0 };
+        let system = system_tracks::SystemTrack { id: 7, contributors, contributor_count: 2, ..Default::default() };
+        origins.take_system_tracks(&SystemTracksHeader::default(), &[system]);
+        let tracks = [Track { best_plot_seq: 3, best_plot_index: 0, ..track(7, NOON_NS, CONFIRMED) }];
+        let frames = send_with(&mut AsterixTracks::default(), &site(), &origins, (&targets(&tracks), false));
+        let sent = read(&frames).0[0];
+        let (source, range_m, azimuth_rad) = sent.plot.expect("a plot");
+        assert_eq!(source, site().source());
+        assert!((range_m - 14_000.0).abs() <= 1852.0 / 512.0 && (azimuth_rad - 2.0).abs() <= 1e-4);
+        let local = |unit: u8, number: u16| Some(LocalTrack { unit, number });
+        assert_eq!(sent.local[..3], [local(8, 1), local(7, 12), None]);
     }
 
     #[test]

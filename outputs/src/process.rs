@@ -3,17 +3,19 @@
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use common::config::{ChainConfig, Sent, Sites, Source};
+use common::config::{ChainConfig, OutputFormat, Sent, Sites, Source};
 use common::health::{Reject, Rejected};
 use common::ipc::{Flow, IpcError, ObserverLosses, Received, Station, Subscriber, Turn, attend};
 use common::message::END_OF_STREAM;
-use common::messages::{Plots, Tracks};
+use common::messages::{Actions, Plots, SystemTracks, Tracks};
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, say, stop_requested, tell};
 use common::realtime;
 use common::time::monotonic_ns;
 use common::topic::Topic;
-use common::topology::OUTPUTS;
+use common::topology::{OUTPUTS, TRACKER, runs};
+use common::tracks::TERMINATED;
 
+use crate::origins::Origins;
 use crate::output::Output;
 use crate::targets::Site;
 
@@ -138,19 +140,40 @@ fn describe(health: &mut common::health::Health, outputs: &[Output], feeds: &[Fe
 struct Feed {
     station: Station,
     tracks: Subscriber<Tracks>,
-    /// Where an output sends plots of it.
+    /// Where an output sends plots of it, or says of which plots its tracks are.
     plots: Option<Subscriber<Plots>>,
+    /// Where an output says of which local tracks its tracks are.
+    system_tracks: Option<Subscriber<SystemTracks>>,
+    /// Where an output says what operators call its tracks.
+    actions: Option<Subscriber<Actions>>,
+    origins: Origins,
     scan: u32,
     ended: bool,
 }
 
 fn feeds(first: &Station, sites: &Sites) -> Result<Vec<Feed>, IpcError> {
+    let sics: Vec<u8> = sites.all().iter().map(|site| site.site.source_id() as u8).collect();
     let feed = |site: &ChainConfig| {
         let station = first.at(site);
         let tracks = station.subscriber()?;
-        let wants_plots = site.outputs.values().any(|output| output.send == Sent::Plots && output.takes(site));
-        let plots = wants_plots.then(|| station.subscriber()).transpose()?;
-        Ok(Feed { station, tracks, plots, scan: 0, ended: false })
+        let takes = |format: OutputFormat, sent: Sent| {
+            let mut of_site = site.outputs.iter().filter(|(_, output)| output.takes(site));
+            of_site.any(|(name, output)| output.send == sent && output.format(name) == Some(format))
+        };
+        let sends = |format: OutputFormat| takes(format, Sent::Tracks);
+        let (is_fused, says_origins) = (site.run.source == Source::Fusion, sends(OutputFormat::Asterix));
+        let wants_plots = takes(OutputFormat::Asterix, Sent::Plots) || says_origins && !is_fused;
+        let wants_labels = sends(OutputFormat::Json) && runs(site, TRACKER);
+        Ok(Feed {
+            tracks,
+            plots: wants_plots.then(|| station.subscriber()).transpose()?,
+            system_tracks: (says_origins && is_fused).then(|| station.subscriber()).transpose()?,
+            actions: wants_labels.then(|| station.subscriber()).transpose()?,
+            origins: Origins::new(sics.clone()),
+            scan: 0,
+            ended: false,
+            station,
+        })
     };
     sites.all().iter().map(feed).collect()
 }
@@ -161,9 +184,20 @@ impl Feed {
         while let Some(plots) = self.plots.as_ref().filter(|_| !turn.is_over())
             && let Some(message) = plots.receive()?
         {
+            self.origins.take_plots(message.header(), message.elements());
             for output in &mut *outputs {
                 output.take_plots(site, message.header(), message.elements());
             }
+        }
+        while let Some(system_tracks) = self.system_tracks.as_ref().filter(|_| !turn.is_over())
+            && let Some(message) = system_tracks.receive()?
+        {
+            self.origins.take_system_tracks(message.header(), message.elements());
+        }
+        while let Some(actions) = self.actions.as_ref().filter(|_| !turn.is_over())
+            && let Some(message) = actions.receive()?
+        {
+            message.elements().iter().for_each(|action| self.origins.take_action(action));
         }
         while !turn.is_over()
             && let Some(message) = self.tracks.receive()?
@@ -172,8 +206,10 @@ impl Feed {
             self.scan = message.header().scan;
             self.ended = message.header().has(END_OF_STREAM);
             for output in &mut *outputs {
-                output.take_tracks(site, message.header(), message.elements(), latency_ns);
+                output.take_tracks(site, (message.header(), message.elements()), &self.origins, latency_ns);
             }
+            let ended = message.elements().iter().filter(|track| track.state_code == TERMINATED);
+            ended.for_each(|track| self.origins.forget(track.id));
         }
         Ok(())
     }
