@@ -45,6 +45,18 @@ impl Turning {
         self.last = Some(place);
         Some(place)
     }
+
+    /// Position of the spoke at `azimuth_rad` after a pause in which the antenna has gone on by about `passed` dwells.
+    pub fn resume(&mut self, azimuth_rad: f64, passed: f64) -> Option<u64> {
+        let Some(last) = self.last else { return self.place(azimuth_rad) };
+        let dwells = f64::from(self.dwells_per_scan);
+        let about = last as f64 + passed;
+        let ahead = (azimuth_rad / TAU * dwells - 0.5 - about).rem_euclid(dwells);
+        let nearest = about + if ahead > dwells / 2.0 { ahead - dwells } else { ahead };
+        let place = (nearest.round() as u64).max(last + 1);
+        self.last = Some(place);
+        Some(place)
+    }
 }
 
 #[cfg(test)]
@@ -61,6 +73,17 @@ mod tests {
             let azimuth_rad = (steps % 4096) as f64 / 4096.0 * TAU;
             let place = turning.place(azimuth_rad).expect("each spoke has its dwell");
             assert_eq!(place, spoke + 302, "spoke {spoke}");
+        }
+    }
+
+    #[test]
+    fn a_pause_is_as_many_turns_as_its_time_says() {
+        for (passed, expected) in [(64.0 * 3.0 + 5.0, 3 * 64 + 15), (64.0 * 2.6, 2 * 64 + 15 + 64), (40.0, 15 + 64)] {
+            let mut turning = Turning::new(64);
+            assert_eq!(turning.place(10.5 / 64.0 * TAU), Some(10));
+            let place = turning.resume(15.5 / 64.0 * TAU, passed);
+            assert_eq!(place, Some(expected), "{passed}");
+            assert_eq!(turning.place(16.5 / 64.0 * TAU), Some(expected + 1));
         }
     }
 
