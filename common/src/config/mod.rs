@@ -35,7 +35,7 @@ mod video_source;
 pub use bank::{BandwidthConfig, BankConfig, OutputRule};
 pub use budget::{Budget, BudgetConfig};
 pub use display::DisplayConfig;
-pub use explain::{explained, reference};
+pub use explain::{explained, explained_key, reference};
 pub use extractor::{Cfar, ExtractorConfig};
 pub use fusion::FusionConfig;
 pub use ipc::IpcConfig;
