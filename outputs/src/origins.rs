@@ -20,14 +20,14 @@ pub struct Origins {
     contributors: HashMap<u64, Vec<Contributor>>,
     contributors_session: u64,
     labels: HashMap<u64, String>,
-    /// SIC of each site of the chain.
-    sics: Vec<u8>,
+    /// Number of each site of the chain as a unit.
+    units: Vec<u8>,
 }
 
 impl Origins {
-    /// Of a chain whose sites have these SICs.
-    pub fn new(sics: Vec<u8>) -> Self {
-        Self { sics, ..Self::default() }
+    /// Of a chain whose sites are units of these numbers.
+    pub fn new(units: Vec<u8>) -> Self {
+        Self { units, ..Self::default() }
     }
 
     /// Remembers the plots of a sector.
@@ -82,10 +82,10 @@ impl Origins {
         self.plots[at].1.get(track.best_plot_index as usize)
     }
 
-    /// SIC of the site and number of each local track that a system track is made of.
+    /// Unit and number of each local track that a system track is made of.
     pub fn contributors(&self, id: u64) -> impl Iterator<Item = (u8, u64)> {
         let of = self.contributors.get(&id).into_iter().flatten();
-        of.filter_map(|of| Some((*self.sics.get(of.site as usize)?, of.id)))
+        of.filter_map(|of| Some((*self.units.get(of.site as usize)?, of.id)))
     }
 
     /// What operators call a track.

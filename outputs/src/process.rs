@@ -152,7 +152,9 @@ struct Feed {
 }
 
 fn feeds(first: &Station, sites: &Sites) -> Result<Vec<Feed>, IpcError> {
-    let sics: Vec<u8> = sites.all().iter().map(|site| site.site.source_id() as u8).collect();
+    // A site without a SIC is told by its place, from 1.
+    let unit = |(place, site): (usize, &ChainConfig)| site.site.sic.unwrap_or(place as u8 + 1);
+    let units: Vec<u8> = sites.all().iter().enumerate().map(unit).collect();
     let feed = |site: &ChainConfig| {
         let station = first.at(site);
         let tracks = station.subscriber()?;
@@ -169,7 +171,7 @@ fn feeds(first: &Station, sites: &Sites) -> Result<Vec<Feed>, IpcError> {
             plots: wants_plots.then(|| station.subscriber()).transpose()?,
             system_tracks: (says_origins && is_fused).then(|| station.subscriber()).transpose()?,
             actions: wants_labels.then(|| station.subscriber()).transpose()?,
-            origins: Origins::new(sics.clone()),
+            origins: Origins::new(units.clone()),
             scan: 0,
             ended: false,
             station,
