@@ -54,7 +54,7 @@ const SIGMA_AX: Field = field!(CAT062_1_21, "500/AA/X");
 const SIGMA_AY: Field = field!(CAT062_1_21, "500/AA/Y");
 const SIGMA_CLIMB_RATE: Field = field!(CAT062_1_21, "500/ARC");
 const UNIT: Field = field!(CAT062_1_21, "510/IDENT");
-const LOCAL_NUMBER: Field = field!(CAT062_1_21, "510/TRACK");
+const NUMBER_IN_UNIT: Field = field!(CAT062_1_21, "510/TRACK");
 const PLOT_SAC: Field = field!(CAT062_1_21, "340/SID/SAC");
 const PLOT_SIC: Field = field!(CAT062_1_21, "340/SID/SIC");
 const PLOT_RANGE: Field = field!(CAT062_1_21, "340/POS/RHO");
@@ -91,18 +91,23 @@ pub struct Accuracy {
     pub climb_rate_mps: Option<f64>,
 }
 
-/// A track of one unit that a system track is made of, I062/510.
+/// The number of a track in one of the units that have a part in it, I062/510.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-pub struct LocalTrack {
+pub struct UnitTrack {
     /// The unit.
     pub unit: u8,
     /// Its number of the track, up to [`Self::LARGEST_NUMBER`].
     pub number: u16,
 }
 
-impl LocalTrack {
+impl UnitTrack {
     /// Numbers have 15 bits.
     pub const LARGEST_NUMBER: u16 = 0x7fff;
+
+    /// The number of the track `id`: its lower 15 bits.
+    pub fn number_of(id: u64) -> u16 {
+        id as u16 & Self::LARGEST_NUMBER
+    }
 }
 
 /// A system track. What is absent is `None`. Of a value too large for its item the largest possible is written; a position
@@ -150,8 +155,9 @@ pub struct SystemTrack {
     pub movement: Option<Movement>,
     /// Standard errors.
     pub accuracy: Option<Accuracy>,
-    /// Local tracks that it is made of, the first eight.
-    pub local: [Option<LocalTrack>; 8],
+    /// Its composed number, of nine units at most: first the unit that is responsible for the track, with its own number of it (the
+    /// master track), then those whose tracks it is made of, with theirs (the slave tracks).
+    pub composed: [Option<UnitTrack>; 9],
     /// The last plot: radar, slant range, m, and azimuth, rad.
     pub plot: Option<(SourceId, f64, f64)>,
 }
@@ -206,10 +212,10 @@ impl SystemTrack {
         if let Some(rate_mps) = self.climb_rate_mps {
             record.put_nearest(&CLIMB_RATE, rate_mps / FT_M * 60.0)?;
         }
-        for local in self.local.iter().flatten() {
+        for of_unit in self.composed.iter().flatten() {
             record.begin_link(&UNIT)?;
-            record.put_raw(&UNIT, local.unit.into())?;
-            record.put_raw(&LOCAL_NUMBER, local.number.into())?;
+            record.put_raw(&UNIT, of_unit.unit.into())?;
+            record.put_raw(&NUMBER_IN_UNIT, of_unit.number.into())?;
         }
         if let Some(accuracy) = &self.accuracy {
             accuracy.write(record)?;
@@ -280,9 +286,9 @@ impl SystemTrack {
                 acceleration_mps2: pair(&SIGMA_AX, &SIGMA_AY),
                 climb_rate_mps: SIGMA_CLIMB_RATE.value(record).map(|ft_per_min| ft_per_min * FT_M / 60.0),
             }),
-            local: std::array::from_fn(|link| {
-                let (unit, number) = UNIT.raw_of(record, link).zip(LOCAL_NUMBER.raw_of(record, link))?;
-                Some(LocalTrack { unit: unit as u8, number: number as u16 })
+            composed: std::array::from_fn(|link| {
+                let (unit, number) = UNIT.raw_of(record, link).zip(NUMBER_IN_UNIT.raw_of(record, link))?;
+                Some(UnitTrack { unit: unit as u8, number: number as u16 })
             }),
             plot: SourceId::read(record, &PLOT_SAC, &PLOT_SIC).and_then(|source| {
                 let (range_nm, azimuth_deg) = PLOT_RANGE.value(record).zip(PLOT_AZIMUTH.value(record))?;

@@ -1,6 +1,6 @@
 //! Tracks as ASTERIX: category 062 for the tracks, category 065 once a scan for the state of the system.
 
-use asterix::cat062::{Accuracy, LocalTrack, Movement, SystemTrack};
+use asterix::cat062::{Accuracy, Movement, SystemTrack, UnitTrack};
 use asterix::cat065::SystemStatus;
 use asterix::report::TimeOfDay;
 use asterix::tables::{CAT062_1_21, CAT065_1_6};
@@ -69,13 +69,16 @@ fn system_track(update: &Update<'_>, target: &Target<'_>) -> SystemTrack {
     let sigma = |component: usize| target.sigma(component);
     let has_height = target.has_height();
     let knows_acceleration = usize::from(track.known) == STATE;
-    let mut local = [None; 8];
-    for (local, (unit, id)) in local.iter_mut().zip(update.origins.contributors(track.id)) {
-        *local = Some(LocalTrack { unit, number: id as u16 & LocalTrack::LARGEST_NUMBER });
+    let of_unit = |(unit, id)| UnitTrack { unit, number: UnitTrack::number_of(id) };
+    let mut slaves = update.origins.contributors(track.id).map(of_unit).peekable();
+    let master = slaves.peek().map(|_| of_unit((site.source().sic, track.id)));
+    let mut composed = [None; 9];
+    for (place, of_unit) in composed.iter_mut().zip(master.into_iter().chain(slaves)) {
+        *place = Some(of_unit);
     }
     SystemTrack {
         source: site.source(),
-        number: track.id as u16,
+        number: UnitTrack::number_of(track.id),
         time_of_day: Some(time_of_day(target.time_ns)),
         position_deg: target.place.map(|place| [place.latitude_deg, place.longitude_deg]),
         position_m: Some([x, y]),
@@ -100,7 +103,7 @@ fn system_track(update: &Update<'_>, target: &Target<'_>) -> SystemTrack {
             acceleration_mps2: knows_acceleration.then(|| [sigma(2), sigma(5)]),
             climb_rate_mps: has_height.then(|| sigma(7)),
         }),
-        local,
+        composed,
         plot: update.origins.plot(track).map(|plot| (site.source(), plot.range_m, plot.azimuth_rad)),
         ..SystemTrack::default()
     }
@@ -239,10 +242,10 @@ mod tests {
         let mut chain = ChainConfig::default();
         chain.run.source = Source::Fusion;
         let tracks = [track(7, NOON_NS, CONFIRMED)];
-        let frames = send(&mut AsterixTracks::default(), &Site::new(&chain, false), &targets(&tracks), false);
+        let frames = send(&mut AsterixTracks::default(), &Site::new(&chain, 1, false), &targets(&tracks), false);
         let (sent, _) = read(&frames);
         assert!(!sent[0].monosensor && !sent[0].simulated);
-        assert_eq!((sent[0].plot, sent[0].local), (None, [None; 8]));
+        assert_eq!((sent[0].plot, sent[0].composed), (None, [None; 9]));
     }
 
     #[test]
@@ -250,19 +253,23 @@ mod tests {
         let mut origins = Origins::new(vec![7, 8]);
         let plot = Plot { range_m: 14_000.0, azimuth_rad: 2.0, ..Plot::default() };
         origins.take_plots(&PlotsHeader { seq: 3, sectors_per_scan: 32, ..PlotsHeader::default() }, &[plot]);
+        let mut site = site();
+        site.source_id = 25 << 8 | 9;
         let mut contributors = [Contributor::default(); CONTRIBUTORS];
         contributors[0] = Contributor { id: 0x8001, site: 1, reserved: 0 };
         contributors[1] = Contributor { id: 12, site: 0, reserved: 0 };
-        let system = system_tracks::SystemTrack { id: 7, contributors, contributor_count: 2, ..Default::default() };
+        let system =
+            system_tracks::SystemTrack { id: 0x8007, contributors, contributor_count: 2, ..Default::default() };
         origins.take_system_tracks(&SystemTracksHeader::default(), &[system]);
-        let tracks = [Track { best_plot_seq: 3, best_plot_index: 0, ..track(7, NOON_NS, CONFIRMED) }];
-        let frames = send_with(&mut AsterixTracks::default(), &site(), &origins, (&targets(&tracks), false));
+        let tracks = [Track { best_plot_seq: 3, best_plot_index: 0, ..track(0x8007, NOON_NS, CONFIRMED) }];
+        let frames = send_with(&mut AsterixTracks::default(), &site, &origins, (&targets(&tracks), false));
         let sent = read(&frames).0[0];
         let (source, range_m, azimuth_rad) = sent.plot.expect("a plot");
-        assert_eq!(source, site().source());
+        assert_eq!(source, site.source());
         assert!((range_m - 14_000.0).abs() <= 1852.0 / 512.0 && (azimuth_rad - 2.0).abs() <= 1e-4);
-        let local = |unit: u8, number: u16| Some(LocalTrack { unit, number });
-        assert_eq!(sent.local[..3], [local(8, 1), local(7, 12), None]);
+        let of_unit = |unit: u8, number: u16| Some(UnitTrack { unit, number });
+        assert_eq!(sent.number, 7);
+        assert_eq!(sent.composed[..4], [of_unit(9, 7), of_unit(8, 1), of_unit(7, 12), None]);
     }
 
     #[test]

@@ -17,7 +17,7 @@ use common::tracks::TERMINATED;
 
 use crate::origins::Origins;
 use crate::output::Output;
-use crate::targets::Site;
+use crate::targets::{Site, units};
 
 /// Name of the process.
 pub const NAME: &str = OUTPUTS;
@@ -35,9 +35,10 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         return Err(BadInput("no output is configured, expected a table [outputs.NAME]".into()).into());
     }
     let (session, refused) = (new_session(), realtime::apply(chain.realtime.of(NAME)));
-    let mut outputs = open_outputs(&sites, session)?;
+    let units = units(sites.all());
+    let mut outputs = open_outputs(&sites, &units, session)?;
     let first = Station::enter(NAME, chain)?;
-    let mut feeds = feeds(&first, &sites)?;
+    let mut feeds = feeds(&first, &sites, &units)?;
     let mut wakes = Vec::new();
     for feed in &feeds {
         wakes.push(feed.station.wake(Topic::Tracks)?);
@@ -75,7 +76,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// All outputs, each with the sites that it takes.
-fn open_outputs(sites: &Sites, session: u64) -> anyhow::Result<Vec<Output>> {
+fn open_outputs(sites: &Sites, units: &[u8], session: u64) -> anyhow::Result<Vec<Output>> {
     let any_simulated = sites.all().iter().any(|site| site.run.source == Source::RadarSim);
     let is_simulated = |site: &ChainConfig| match site.run.source {
         Source::Fusion => any_simulated,
@@ -86,8 +87,9 @@ fn open_outputs(sites: &Sites, session: u64) -> anyhow::Result<Vec<Output>> {
         if !config.site.is_empty() {
             sites.named(&config.site)?;
         }
-        let of_site = |site: &ChainConfig| config.takes(site).then(|| Site::new(site, is_simulated(site)));
-        let taken: Vec<_> = sites.all().iter().map(of_site).collect();
+        let of_site =
+            |(site, &unit): (&ChainConfig, &u8)| config.takes(site).then(|| Site::new(site, unit, is_simulated(site)));
+        let taken: Vec<_> = sites.all().iter().zip(units).map(of_site).collect();
         if taken.iter().flatten().any(|site| site.position.is_none()) {
             say(&format!("output `{name}`: key `site.position` is not set: no latitude, longitude or height is sent"));
         }
@@ -151,10 +153,7 @@ struct Feed {
     ended: bool,
 }
 
-fn feeds(first: &Station, sites: &Sites) -> Result<Vec<Feed>, IpcError> {
-    // A site without a SIC is told by its place, from 1.
-    let unit = |(place, site): (usize, &ChainConfig)| site.site.sic.unwrap_or(place as u8 + 1);
-    let units: Vec<u8> = sites.all().iter().enumerate().map(unit).collect();
+fn feeds(first: &Station, sites: &Sites, units: &[u8]) -> Result<Vec<Feed>, IpcError> {
     let feed = |site: &ChainConfig| {
         let station = first.at(site);
         let tracks = station.subscriber()?;
@@ -171,7 +170,7 @@ fn feeds(first: &Station, sites: &Sites) -> Result<Vec<Feed>, IpcError> {
             plots: wants_plots.then(|| station.subscriber()).transpose()?,
             system_tracks: (says_origins && is_fused).then(|| station.subscriber()).transpose()?,
             actions: wants_labels.then(|| station.subscriber()).transpose()?,
-            origins: Origins::new(units.clone()),
+            origins: Origins::new(units.to_vec()),
             scan: 0,
             ended: false,
             station,

@@ -107,7 +107,7 @@ def asterix_values(datagrams):
 
 
 def asterix(verdict, datagrams, lines):
-    by_place = {(line["id"] & 0xFFFF, int(milliseconds(line["time"]) * 128 // 1000)): line for line in lines}
+    by_place = {(line["id"] & 0x7FFF, int(milliseconds(line["time"]) * 128 // 1000)): line for line in lines}
     measured = 0
     for category, values in asterix_values(datagrams):
         if category == 65:
