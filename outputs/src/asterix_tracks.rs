@@ -2,7 +2,7 @@
 
 use asterix::cat062::{Accuracy, Movement, SystemTrack, UnitTrack};
 use asterix::cat065::SystemStatus;
-use asterix::report::TimeOfDay;
+use asterix::report::{SourceId, TimeOfDay};
 use asterix::tables::{CAT062_1_21, CAT065_1_6};
 use asterix::{BlockWriter, EncodeError};
 use common::tracks::{
@@ -11,7 +11,7 @@ use common::tracks::{
 use common::units::DAY_NS;
 
 use crate::format::{Format, Frames, Update};
-use crate::targets::Target;
+use crate::targets::{Site, Target};
 
 /// Largest datagram, octets: it fits into one packet of an Ethernet.
 pub(crate) const LARGEST: usize = 1400;
@@ -104,9 +104,15 @@ fn system_track(update: &Update<'_>, target: &Target<'_>) -> SystemTrack {
             climb_rate_mps: has_height.then(|| sigma(7)),
         }),
         composed,
-        plot: update.origins.plot(track).map(|plot| (site.source(), plot.range_m, plot.azimuth_rad)),
+        plot: update.origins.plot(track).map(|(radar, plot)| (radar_of(radar, site), plot.range_m, plot.azimuth_rad)),
         ..SystemTrack::default()
     }
+}
+
+/// The radar of a plot: as the plot says, else that of the site.
+fn radar_of(source_id: u32, site: &Site) -> SourceId {
+    let [.., sac, sic] = source_id.to_be_bytes();
+    if source_id == 0 { site.source() } else { SourceId { sac, sic } }
 }
 
 /// Appends a block's record to the block that is open, whose length grows with it; a block that would become too large is
@@ -162,11 +168,9 @@ mod tests {
     use super::*;
     use crate::origins::Origins;
     use crate::targets::Roster;
-    use crate::targets::Site;
     use crate::targets::tests::{NOON_NS, site, targets, track};
     use asterix::block::Blocks;
     use asterix::record::Records;
-    use asterix::report::SourceId;
     use common::config::{ChainConfig, OutputConfig, Source};
     use common::plots::{Plot, PlotsHeader};
     use common::system_tracks::{self, CONTRIBUTORS, Contributor, SystemTracksHeader};
@@ -252,7 +256,10 @@ mod tests {
     fn a_track_says_of_which_plot_and_of_which_tracks_it_is() {
         let mut origins = Origins::new(vec![7, 8]);
         let plot = Plot { range_m: 14_000.0, azimuth_rad: 2.0, ..Plot::default() };
-        origins.take_plots(&PlotsHeader { seq: 3, sectors_per_scan: 32, ..PlotsHeader::default() }, &[plot]);
+        origins.take_plots(
+            &PlotsHeader { seq: 3, sectors_per_scan: 32, source_id: 3 << 8 | 4, ..PlotsHeader::default() },
+            &[plot],
+        );
         let mut site = site();
         site.source_id = 25 << 8 | 9;
         let mut contributors = [Contributor::default(); CONTRIBUTORS];
@@ -265,7 +272,7 @@ mod tests {
         let frames = send_with(&mut AsterixTracks::default(), &site, &origins, (&targets(&tracks), false));
         let sent = read(&frames).0[0];
         let (source, range_m, azimuth_rad) = sent.plot.expect("a plot");
-        assert_eq!(source, site.source());
+        assert_eq!(source, SourceId { sac: 3, sic: 4 }, "that of the plot, and not of the site");
         assert!((range_m - 14_000.0).abs() <= 1852.0 / 512.0 && (azimuth_rad - 2.0).abs() <= 1e-4);
         let of_unit = |unit: u8, number: u16| Some(UnitTrack { unit, number });
         assert_eq!(sent.number, 7);

@@ -13,8 +13,8 @@ const SCANS_KEPT: usize = 2;
 /// Plots, local tracks and labels by the tracks that they belong to.
 #[derive(Debug, Default)]
 pub struct Origins {
-    /// Plots of the last scans with the `seq` of their message, ascending.
-    plots: VecDeque<(u64, Vec<Plot>)>,
+    /// Sectors of the last scans by `seq`, ascending.
+    sectors: VecDeque<Sector>,
     plots_session: u64,
     /// Local tracks of system tracks.
     contributors: HashMap<u64, Vec<Contributor>>,
@@ -22,6 +22,14 @@ pub struct Origins {
     labels: HashMap<u64, String>,
     /// Number of each site of the chain as a unit.
     units: Vec<u8>,
+}
+
+/// The plots of a message.
+#[derive(Debug, Default)]
+struct Sector {
+    seq: u64,
+    source_id: u32,
+    plots: Vec<Plot>,
 }
 
 impl Origins {
@@ -32,15 +40,16 @@ impl Origins {
 
     /// Remembers the plots of a sector.
     pub fn take_plots(&mut self, header: &PlotsHeader, plots: &[Plot]) {
-        let follows = self.plots.back().is_none_or(|&(seq, _)| seq < header.seq);
+        let follows = self.sectors.back().is_none_or(|last| last.seq < header.seq);
         if std::mem::replace(&mut self.plots_session, header.lineage.session) != header.lineage.session || !follows {
-            self.plots.clear();
+            self.sectors.clear();
         }
-        let is_full = self.plots.len() >= SCANS_KEPT * header.sectors_per_scan as usize;
-        let (_, mut room) = if is_full { self.plots.pop_front() } else { None }.unwrap_or_default();
-        room.clear();
-        room.extend_from_slice(plots);
-        self.plots.push_back((header.seq, room));
+        let is_full = self.sectors.len() >= SCANS_KEPT * header.sectors_per_scan as usize;
+        let mut sector = if is_full { self.sectors.pop_front() } else { None }.unwrap_or_default();
+        (sector.seq, sector.source_id) = (header.seq, header.source_id);
+        sector.plots.clear();
+        sector.plots.extend_from_slice(plots);
+        self.sectors.push_back(sector);
     }
 
     /// Remembers what system tracks are made of.
@@ -76,10 +85,12 @@ impl Origins {
         self.labels.remove(&id);
     }
 
-    /// The plot that was most probably the track's in its last update, if there was one and it is still known.
-    pub fn plot(&self, track: &Track) -> Option<&Plot> {
-        let at = self.plots.binary_search_by_key(&track.best_plot_seq, |&(seq, _)| seq).ok()?;
-        self.plots[at].1.get(track.best_plot_index as usize)
+    /// The plot that was most probably the track's in its last update, if there was one and it is still known, and SAC (high byte) and
+    /// SIC (low byte) of its radar, 0 where plots do not say.
+    pub fn plot(&self, track: &Track) -> Option<(u32, &Plot)> {
+        let at = self.sectors.binary_search_by_key(&track.best_plot_seq, |sector| sector.seq).ok()?;
+        let sector = &self.sectors[at];
+        Some((sector.source_id, sector.plots.get(track.best_plot_index as usize)?))
     }
 
     /// Unit and number of each local track that a system track is made of.
@@ -118,8 +129,8 @@ mod tests {
         for seq in 10..15 {
             origins.take_plots(&sector(1, seq), &[at(seq as f64), at(100.0 + seq as f64)]);
         }
-        assert_eq!(origins.plot(&track(14, 1)).map(|plot| plot.range_m), Some(114.0));
-        assert_eq!(origins.plot(&track(11, 0)).map(|plot| plot.range_m), Some(11.0));
+        assert_eq!(origins.plot(&track(14, 1)).map(|(_, plot)| plot.range_m), Some(114.0));
+        assert_eq!(origins.plot(&track(11, 0)).map(|(_, plot)| plot.range_m), Some(11.0));
         for (seq, index) in [(10, 0), (14, 2), (14, u32::MAX), (15, 0)] {
             assert_eq!(origins.plot(&track(seq, index)), None, "{seq} {index}");
         }

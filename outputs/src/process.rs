@@ -182,27 +182,12 @@ fn feeds(first: &Station, sites: &Sites, units: &[u8]) -> Result<Vec<Feed>, IpcE
 impl Feed {
     /// Hands what waits to the outputs; `site` is the place of the feed among the sites.
     fn pass_on(&mut self, site: usize, outputs: &mut [Output], turn: &Turn) -> Result<(), IpcError> {
-        while let Some(plots) = self.plots.as_ref().filter(|_| !turn.is_over())
-            && let Some(message) = plots.receive()?
-        {
-            self.origins.take_plots(message.header(), message.elements());
-            for output in &mut *outputs {
-                output.take_plots(site, message.header(), message.elements());
-            }
-        }
-        while let Some(system_tracks) = self.system_tracks.as_ref().filter(|_| !turn.is_over())
-            && let Some(message) = system_tracks.receive()?
-        {
-            self.origins.take_system_tracks(message.header(), message.elements());
-        }
-        while let Some(actions) = self.actions.as_ref().filter(|_| !turn.is_over())
-            && let Some(message) = actions.receive()?
-        {
-            message.elements().iter().for_each(|action| self.origins.take_action(action));
-        }
+        self.take_origins(site, outputs)?;
         while !turn.is_over()
             && let Some(message) = self.tracks.receive()?
         {
+            // What tracks are made of is published before them: it is there when they are, and may not have been a moment ago.
+            self.take_origins(site, outputs)?;
             let latency_ns = latency_ns(&message);
             self.scan = message.header().scan;
             self.ended = message.header().has(END_OF_STREAM);
@@ -211,6 +196,29 @@ impl Feed {
             }
             let ended = message.elements().iter().filter(|track| track.state_code == TERMINATED);
             ended.for_each(|track| self.origins.forget(track.id));
+        }
+        Ok(())
+    }
+
+    /// Remembers what tracks are made of and called, and hands plots on.
+    fn take_origins(&mut self, site: usize, outputs: &mut [Output]) -> Result<(), IpcError> {
+        while let Some(plots) = &self.plots
+            && let Some(message) = plots.receive()?
+        {
+            self.origins.take_plots(message.header(), message.elements());
+            for output in &mut *outputs {
+                output.take_plots(site, message.header(), message.elements());
+            }
+        }
+        while let Some(system_tracks) = &self.system_tracks
+            && let Some(message) = system_tracks.receive()?
+        {
+            self.origins.take_system_tracks(message.header(), message.elements());
+        }
+        while let Some(actions) = &self.actions
+            && let Some(message) = actions.receive()?
+        {
+            message.elements().iter().for_each(|action| self.origins.take_action(action));
         }
         Ok(())
     }
