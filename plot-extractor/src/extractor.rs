@@ -156,14 +156,15 @@ impl PlotExtractor {
     }
 
     /// Where dwells are missing or the stream goes back, no cluster can grow any more; its
-    /// place in time follows from the dwell before the gap.
+    /// place in time and its cells follow from the last dwell that was used before the gap.
     fn end_clusters_before_gap(&mut self, header: &DwellHeader) {
-        let Some(previous) = self.previous.filter(|previous| header.seq != previous.seq.saturating_add(1)) else {
+        if self.previous.is_none_or(|previous| header.seq == previous.seq.saturating_add(1)) {
             return;
-        };
+        }
         if let Some(stages) = &mut self.stages {
             stages.clustering.close_all(&mut self.closed);
-            self.plot_closed(&previous);
+            let last = stages.last;
+            self.plot_closed(&last);
         }
     }
 
@@ -197,7 +198,8 @@ impl PlotExtractor {
             covered_to_dwell =
                 stages.clustering.oldest_open().map_or(covered_to_dwell, |dwell| dwell.min(covered_to_dwell));
         }
-        self.plot_closed(&last);
+        let used = self.stages.as_ref().map_or(last, |stages| stages.last);
+        self.plot_closed(&used);
         let mut flags = flags;
         let left_out = self.plots.len().saturating_sub(MAX_PLOTS) as u32;
         if left_out > 0 {

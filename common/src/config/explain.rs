@@ -38,10 +38,10 @@ pub fn explained_key(sites: &Sites, key: &str) -> Option<String> {
     let (keys, mut text) = (keys(), explain(sites, is_asked));
     if text.is_empty() {
         // A key without a default is in no configuration that does not set it.
-        let about = keys.get(key)?;
+        let about = about(&keys, key)?;
         text = format!("# {}\n# not set\n", about.text);
     }
-    if let Some(about) = keys.get(key).filter(|about| !about.kind.is_empty()) {
+    if let Some(about) = about(&keys, key).filter(|about| !about.kind.is_empty()) {
         text.insert_str(0, &format!("# `{key}`: {}\n", range_of(key, about)));
     }
     Some(text)
@@ -186,7 +186,10 @@ mod tests {
         assert!(table.contains("[ipc]\n") && table.contains("\nprefix = ") && !table.contains("[run]"), "{table}");
         let unset = explained_key(&sites, "site.sac").expect("a key without a default");
         assert!(unset.contains("not set"), "{unset}");
+        let of_output = explained_key(&sites, "outputs.asterix.to").expect("a key of an output that is not configured");
+        assert!(of_output.contains("`outputs.asterix.to`") && of_output.contains("not set"), "{of_output}");
         assert_eq!(explained_key(&sites, "tracker.nonsense"), None);
+        assert_eq!(explained_key(&sites, "outputs.asterix.nonsense"), None);
     }
 
     #[test]
