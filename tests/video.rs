@@ -72,7 +72,10 @@ fn a_ships_radar_that_is_listened_to() {
     let port = UdpSocket::bind("127.0.0.1:0").and_then(|socket| socket.local_addr()).expect("a free port").port();
     let listen = format!("video_source.listen=['udp://127.0.0.1:{port}']");
     let running = live.start_config(&config, &["--speed", "4", "--set", &listen]);
-    live.wait_for("the radar", |status| support::number(status, "video-source", "pid"));
+    // It sends nothing on before its consumers are there, and hears nothing meanwhile.
+    for stage in ["video-source", "plot-extractor", "tracker", "recorder"] {
+        live.wait_for(stage, |status| support::number(status, stage, "pid"));
+    }
     let bytes = std::fs::read(of_file.path("halo.pcap")).expect("the capture");
     let capture = Recording::whole(&bytes);
     let sender = UdpSocket::bind("127.0.0.1:0").expect("a sender");
