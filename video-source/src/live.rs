@@ -33,7 +33,6 @@ pub struct LiveVideo {
     intake: Intake,
     rejected: Rejected,
     dwells_per_scan: u32,
-    largest_cells: usize,
     first_scan: u32,
     /// Time of a turn, s.
     turn_s: f64,
@@ -45,6 +44,12 @@ pub struct LiveVideo {
     /// The first azimuths; none once their spacing has been looked at.
     azimuths_rad: Option<Vec<f64>>,
     missing: u64,
+    /// Of the last spoke that had a place.
+    last_fingerprint: Option<u64>,
+    /// Spokes of the radar, with or without a place.
+    spokes: u64,
+    /// Time of the last turn as measured, s, whether it was believed or not.
+    measured_turn_s: Option<f64>,
 }
 
 impl LiveVideo {
@@ -54,10 +59,9 @@ impl LiveVideo {
         Self {
             schedule: Schedule::new(radar),
             turning: Turning::new(radar.dwells_per_scan),
-            intake: Intake::of_day(0), // every datagram has its time
+            intake: Intake::new(&chain.site, chain.video_source.largest_cells as usize, 0), // every datagram has its time
             rejected: Rejected::default(),
             dwells_per_scan: radar.dwells_per_scan,
-            largest_cells: chain.video_source.largest_cells as usize,
             first_scan: chain.run.first_scan,
             turn_s: radar.scan_period_s,
             begin: None,
@@ -65,14 +69,20 @@ impl LiveVideo {
             turn_began: None,
             azimuths_rad: Some(Vec::with_capacity(COUNTED)),
             missing: 0,
+            last_fingerprint: None,
+            spokes: 0,
+            measured_turn_s: None,
         }
     }
 
     /// Takes a datagram that was received at `now_ns`, UTC, and hands over the dwells in it; sessions and stamps are the publisher's.
     pub fn take(&mut self, datagram: &[u8], now_ns: u64, mut dwell: impl FnMut(DwellHeader, Spoke)) {
         let datagram = Datagram { time_ns: Some(now_ns), destination: None, offset: 0, bytes: Cow::Borrowed(datagram) };
-        self.intake.take(&datagram, Form::Pcap);
+        if !self.intake.take(&datagram, Form::Pcap) {
+            self.rejected.count(Reject::OtherCategory);
+        }
         let mut spokes = std::mem::take(&mut self.intake.spokes);
+        self.spokes += spokes.len() as u64;
         for spoke in spokes.drain(..) {
             if let Some(header) = self.header(&spoke, now_ns) {
                 dwell(header, spoke);
@@ -83,8 +93,9 @@ impl LiveVideo {
 
     /// The header of a spoke; none if it has no place in the schedule.
     fn header(&mut self, spoke: &Spoke, now_ns: u64) -> Option<DwellHeader> {
-        if spoke.cells > self.largest_cells {
-            self.rejected.count(Reject::LengthMismatch);
+        let fingerprint = Some(spoke.fingerprint());
+        if fingerprint == self.last_fingerprint {
+            self.rejected.count(Reject::Late);
             return None;
         }
         if let Some(azimuths_rad) = &mut self.azimuths_rad {
@@ -96,8 +107,11 @@ impl LiveVideo {
         let place = if passed > PAUSE * f64::from(self.dwells_per_scan) {
             self.turning.resume(spoke.azimuth_rad, passed)
         } else {
-            self.turning.place(spoke.azimuth_rad)
+            self.turning.place(spoke.azimuth_rad, self.last.map(|_| passed))
         };
+        if place.is_some() {
+            self.last_fingerprint = fingerprint;
+        }
         let turn = u64::from(self.dwells_per_scan);
         let placed = place.map(|place| (place, *self.begin.get_or_insert(place.next_multiple_of(turn))));
         let Some((place, begin)) = placed.filter(|(place, begin)| place >= begin) else {
@@ -116,14 +130,17 @@ impl LiveVideo {
         Some(self.schedule.header(seq, time_ns, self.turn_s, spoke))
     }
 
-    /// Takes the time of a turn from the beginnings of two, unless there was a pause between them.
+    /// Takes the time of a turn from the beginnings of two, unless there was a pause between them: it is about that of the last turn, or of
+    /// the one that is believed.
     fn learn_turn(&mut self, before: Option<(u64, u64)>, (place, time_ns): (u64, u64)) {
         let Some((place_before, before_ns)) = before else { return };
         let turns = (place - place_before) as f64 / f64::from(self.dwells_per_scan);
         let turn_s = (time_ns - before_ns) as f64 / NS_PER_S / turns;
-        if turns < 1.0 + PAUSE && (turn_s / self.turn_s - 1.0).abs() < OTHER_TURN {
+        let is_about = |other_s: f64| (turn_s / other_s - 1.0).abs() < OTHER_TURN;
+        if turns < 1.0 + PAUSE && (is_about(self.turn_s) || self.measured_turn_s.is_some_and(is_about)) {
             self.turn_s = turn_s;
         }
+        self.measured_turn_s = Some(turn_s);
     }
 
     /// Spokes in a turn by their spacing, once enough have come, if they are not as many as configured; told once.
@@ -139,6 +156,16 @@ impl LiveVideo {
         rejected.add(&self.intake.rejected);
         rejected.count_many(Reject::BadHeader, self.intake.unread);
         rejected
+    }
+
+    /// Spokes of the radar so far, with or without a place.
+    pub fn spokes(&self) -> u64 {
+        self.spokes
+    }
+
+    /// Time of a turn as learnt, s.
+    pub fn turn_s(&self) -> f64 {
+        self.turn_s
     }
 
     /// Dwells so far whose spokes have not come.

@@ -9,6 +9,7 @@ use common::health::{Reject, Rejected};
 use common::message::END_OF_STREAM;
 use common::units::{DAY_NS, NS_PER_S};
 
+use crate::cat240::MOST_CELLS;
 use crate::error::VideoError;
 use crate::intake::Intake;
 use crate::schedule::Schedule;
@@ -49,9 +50,12 @@ impl VideoRecording {
     /// As [`VideoRecording::open`].
     pub fn read(bytes: &[u8], path: &Path, chain: &ChainConfig) -> Result<Self, VideoError> {
         let recording = Recording::whole(bytes);
-        let mut found = Intake::of_day(chain.run.epoch_s * 1_000_000_000 / DAY_NS * DAY_NS);
+        let mut found = Intake::new(&chain.site, MOST_CELLS, chain.run.epoch_s * 1_000_000_000 / DAY_NS * DAY_NS);
         found.unread = recording.lost.len() as u64;
-        recording.datagrams.iter().for_each(|datagram| found.take(datagram, recording.form));
+        for datagram in &recording.datagrams {
+            // A capture of a network has much else in it.
+            found.take(datagram, recording.form);
+        }
         if found.spokes.is_empty() {
             let what = match (bytes.len(), recording.form) {
                 (0, _) => "an empty file".into(),
@@ -75,11 +79,21 @@ impl VideoRecording {
         let (schedule, dwells_per_scan) = (Schedule::new(radar), radar.dwells_per_scan);
         let mut turning = Turning::new(dwells_per_scan);
         let mut placed: Vec<(u64, Spoke)> = Vec::with_capacity(spokes.len());
+        let configured_ns = radar.scan_period_s / f64::from(dwells_per_scan) * NS_PER_S;
+        let (mut last_ns, mut last_fingerprint) = (None, None);
         for spoke in spokes {
-            match turning.place(spoke.azimuth_rad) {
-                Some(place) => placed.push((place, spoke)),
-                None => rejected.count(Reject::Late),
-            }
+            let measured_ns = spoke.time_ns.map(|time_ns| time_ns as f64 - f64::from(spoke.followers) * configured_ns);
+            let passed = measured_ns
+                .zip(last_ns)
+                .map(|(measured_ns, last_ns): (f64, f64)| (measured_ns - last_ns) / configured_ns);
+            let fingerprint = Some(spoke.fingerprint());
+            let place = if fingerprint == last_fingerprint { None } else { turning.place(spoke.azimuth_rad, passed) };
+            let Some(place) = place else {
+                rejected.count(Reject::Late);
+                continue;
+            };
+            (last_ns, last_fingerprint) = (measured_ns.or(last_ns), fingerprint);
+            placed.push((place, spoke));
         }
         rejected.count_many(Reject::Late, begin_at_north(&mut placed, dwells_per_scan));
         let scan_period_s = measured_period_s(&placed, dwells_per_scan).unwrap_or(radar.scan_period_s);

@@ -27,6 +27,16 @@ fn spoke(number: u16) -> (u64, Vec<u8>) {
     (u64::from(number) * DWELL_NS, block(number, &[1, 2, 3, number.into()], BYTES, 0))
 }
 
+/// The same spoke with its azimuth 0.3 dwells farther on.
+fn turned((time_ns, mut datagram): (u64, Vec<u8>)) -> (u64, Vec<u8>) {
+    for at in [12, 14] {
+        let azimuth = u16::from_be_bytes([datagram[at], datagram[at + 1]]);
+        let turned = azimuth.wrapping_add((0.3 * 65_536.0 / f64::from(SPOKES)) as u16);
+        datagram[at..at + 2].copy_from_slice(&turned.to_be_bytes());
+    }
+    (time_ns, datagram)
+}
+
 fn places(heard: &[(DwellHeader, Spoke)]) -> Vec<u64> {
     heard.iter().map(|(header, _)| header.seq).collect()
 }
@@ -55,21 +65,30 @@ fn lost_doubled_and_foreign_datagrams_cost_nothing_but_themselves() {
     let mut radar = LiveVideo::new(&chain(&["video_source.largest_cells=4"]));
     let mut datagrams = Vec::new();
     for number in (0..256).filter(|number| !matches!(number, 70 | 71 | 140)) {
-        let (time_ns, datagram) = spoke(number);
+        let (time_ns, datagram) = turned(spoke(number));
         datagrams.push((time_ns, datagram.clone()));
         match number % 8 {
             1 => datagrams.push((time_ns + 1000, datagram)),
             2 => datagrams.push((time_ns + 1000, datagram[..datagram.len() - 3].to_vec())),
             3 => datagrams.push((time_ns + 1000, vec![48, 0, 200, 0xf0])),
             4 => datagrams.push((time_ns + 1000, block(number + 1, &[1; 5], BYTES, 0))),
+            5 => {
+                let mut of_another = block(number + 1, &[1; 4], BYTES, 0);
+                of_another[6] += 1; // its SIC
+                datagrams.push((time_ns + 1000, of_another));
+            }
+            6 => datagrams.push((time_ns + 1000, block(number + 20, &[1; 4], BYTES, 0))),
             _ => {}
         }
     }
     let heard = hear(&mut radar, datagrams);
     assert_eq!(places(&heard), (0..256).filter(|place| ![70, 71, 140].contains(place)).collect::<Vec<_>>());
     let rejected = radar.rejected();
-    let of = [Reject::Late, Reject::BadHeader, Reject::LengthMismatch].map(|reason| rejected.of(reason));
-    assert_eq!((radar.missing(), of), (3, [32, 32, 31]), "{rejected:?}");
+    let reasons =
+        [Reject::Late, Reject::BadHeader, Reject::OtherCategory, Reject::LengthMismatch, Reject::ForeignSource];
+    let of = reasons.map(|reason| rejected.of(reason));
+    // Late are second ones and those that are too far ahead; of the latter one falls on a lost spoke.
+    assert_eq!((radar.missing(), of), (3, [32 + 31, 32, 32, 31, 32]), "{rejected:?}");
 }
 
 /// A radar that is switched off for a while, less and more than a turn: scans go on by as many as have passed.
@@ -100,6 +119,9 @@ fn turns_are_learnt_and_other_numbers_of_spokes_told() {
     let heard = hear(&mut radar, slower);
     assert!((heard[255].0.scan_period_s - 2.2).abs() < 1e-6, "{}", heard[255].0.scan_period_s);
     assert_eq!(radar.other_count(), None);
+    let mut radar = LiveVideo::new(&chain(&[]));
+    hear(&mut radar, (0..256).map(|number| (u64::from(number) * DWELL_NS * 3 / 2, spoke(number).1)));
+    assert!((radar.turn_s() - 3.0).abs() < 1e-6, "far from what is configured: {}", radar.turn_s());
     let mut radar = LiveVideo::new(&chain(&["radar.dwells_per_scan=96"]));
     hear(&mut radar, (0..256).map(spoke));
     assert_eq!((radar.other_count(), radar.other_count()), (Some(64), None));
