@@ -39,7 +39,9 @@ mod tests {
     fn recording(messages: &[Recorded]) -> Vec<u8> {
         let mut file = std::io::Cursor::new(Vec::new());
         let mut writer = Writer::new(&mut file, &Description::default(), "", 1 << 20).expect("memory");
-        messages.iter().for_each(|message| writer.write(message.by_ref()).expect("memory"));
+        for message in messages {
+            writer.write(message.by_ref()).expect("memory");
+        }
         writer.finish().expect("memory");
         file.into_inner()
     }
