@@ -22,6 +22,7 @@ use common::process::{BadInput, StageArgs};
 use recorder::window::Window;
 
 use crate::checks::{chaos, compare, doctor, soak, source};
+use crate::stages::orphans::configuration_in;
 use crate::watch::status;
 
 /// Configuration of the default run, in the folder the command is given in.
@@ -178,11 +179,12 @@ enum Command {
     /// Examples:
     ///   radar-chain config --set run.speed=max > my.toml
     ///   radar-chain config --config config/smr.toml --explain
+    ///   radar-chain config --explain tracker.snr_db
     #[command(verbatim_doc_comment)]
     Config {
-        /// A line of explanation above each key
-        #[arg(long)]
-        explain: bool,
+        /// A line of explanation above each key, or of one key or table alone
+        #[arg(long, value_name = "KEY", num_args = 0..=1, default_missing_value = "")]
+        explain: Option<String>,
         /// Every key with its unit, default, range and meaning, as Markdown
         #[arg(long, conflicts_with = "explain")]
         docs: bool,
@@ -357,10 +359,21 @@ impl ChainArgs {
         overrides
     }
 
+    /// The configuration of the chain that runs in the domain, if none is given and there is one.
+    fn load_running(&self) -> anyhow::Result<Sites> {
+        let of_domain = config::load(None, &self.all_overrides(Vec::new())).unwrap_or_default();
+        let running = Some(configuration_in(&of_domain.ipc)).filter(|file| file.exists());
+        self.load_from(self.config.clone().or(running), Vec::new())
+    }
+
     /// The effective configuration, `more` overrides applied last.
     fn load(&self, more: Vec<String>) -> anyhow::Result<Sites> {
+        self.load_from(self.config.clone(), more)
+    }
+
+    fn load_from(&self, file: Option<PathBuf>, more: Vec<String>) -> anyhow::Result<Sites> {
         let overrides = self.all_overrides(more);
-        let path = self.config.clone().unwrap_or_else(|| PathBuf::from(DEFAULT_CONFIG));
+        let path = file.unwrap_or_else(|| PathBuf::from(DEFAULT_CONFIG));
         let loaded = config::load_sites(Some(&path), &overrides);
         if self.config.is_none() && !path.exists() {
             return loaded.context("run this in the folder of the project, or give a file with --config");
@@ -444,7 +457,7 @@ fn main() -> ExitCode {
         }
         Command::Hop(args) => common::process::run("bare-hop", || soak::hop(&args)),
         Command::Status(args) => {
-            common::process::run("radar-chain", || status::status(&args.chain.load(Vec::new())?, args.json))
+            common::process::run("radar-chain", || status::status(&args.chain.load_running()?, args.json))
         }
         Command::View { recordings, listen } => {
             common::process::supervise("radar-chain", || display::view::run(&recordings, listen.as_deref()))
@@ -458,9 +471,13 @@ fn main() -> ExitCode {
             common::process::run("radar-chain", || tune::tune(&recordings, config.as_deref(), overrides))
         }
         Command::Config { explain, docs, chain } => common::process::run("radar-chain", || {
-            let text = match (explain, docs) {
+            let text = match (explain.as_deref(), docs) {
                 (_, true) => config::reference(),
-                (true, _) => config::explained(&chain.load(Vec::new())?),
+                (Some(""), _) => config::explained(&chain.load(Vec::new())?),
+                (Some(key), _) => {
+                    let unknown = || BadInput(format!("no key or table `{key}`; radar-chain config prints all"));
+                    config::explained_key(&chain.load(Vec::new())?, key).ok_or_else(unknown)?
+                }
                 _ => chain.load(Vec::new())?.to_toml(),
             };
             common::process::print(&text);

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 use common::config::{Mode, Sites};
 use common::ipc::{Domain, Flow, IpcError};
-use common::process::{BadInput, EXIT_CHECK_BROKEN, print, say, signals};
+use common::process::{BadInput, EXIT_BAD_USAGE, EXIT_CHECK_BROKEN, print, say, signals};
 use common::report::ChainReport;
 use common::topology::is_observer;
 
@@ -42,6 +42,15 @@ pub(crate) struct Outcome {
     pub(crate) disturbed: bool,
     /// Messages were lost though the mode is to lose none.
     pub(crate) lossy: bool,
+    /// Observers that were to be there and have refused what is configured.
+    pub(crate) absent: Vec<String>,
+}
+
+/// How the processes of a chain have ended.
+struct Supervised {
+    end: End,
+    restarts: u32,
+    absent: Vec<String>,
 }
 
 /// Launches the chain, supervises it to its end and prints its report.
@@ -51,6 +60,9 @@ pub(crate) fn run(sites: Sites) -> anyhow::Result<ExitCode> {
         Err(code) => Ok(code),
         Ok(outcome) => {
             print(&format!("{}report {report}\n", outcome.report.to_text()));
+            for absent in &outcome.absent {
+                say(&format!("the run was without {absent}, which refused its configuration when it was to start"));
+            }
             let broken = outcome.lossy || outcome.disturbed;
             Ok(if broken { ExitCode::from(EXIT_CHECK_BROKEN) } else { ExitCode::SUCCESS })
         }
@@ -99,9 +111,14 @@ pub(crate) fn launch(
     if Orphans::are_gone(&sites)? {
         Domain::enter(&chain.ipc)?.remove();
     }
-    let (end, restarts) = ended?;
+    let Supervised { end, restarts, absent } = ended?;
     match end {
-        End::Failed(code) => Ok(Err(ExitCode::from(code))),
+        End::Failed(code) => {
+            if code == EXIT_BAD_USAGE {
+                recorder::discard_empty(&sites);
+            }
+            Ok(Err(ExitCode::from(code)))
+        }
         End::Done { broken } => {
             let report = read_report(Path::new(&chain.recorder.report), &chain.run.id)?;
             let lossy = chain.run.mode == Mode::Lossless && report.lost() > 0;
@@ -109,13 +126,13 @@ pub(crate) fn launch(
             let counts = |name: &str| name != LAUNCHER && !is_observer(name);
             let restarted =
                 restarts > 0 || report.processes().iter().any(|(name, used)| counts(name) && used.restarts > 0);
-            Ok(Ok(Outcome { report, disturbed: broken || restarted, lossy }))
+            Ok(Ok(Outcome { report, disturbed: broken || restarted, lossy, absent }))
         }
     }
 }
 
 /// Runs the processes to their end.
-fn supervise(sites: &Sites, orphans: Option<&Orphans>, companion: &mut dyn Companion) -> anyhow::Result<(End, u32)> {
+fn supervise(sites: &Sites, orphans: Option<&Orphans>, companion: &mut dyn Companion) -> anyhow::Result<Supervised> {
     let (mut endpoint, wakes) = Endpoint::open(LAUNCHER, sites)?;
     let file = configuration(sites);
     std::fs::write(&file, sites.to_toml()).with_context(|| format!("writing {}", file.display()))?;
@@ -148,7 +165,11 @@ fn supervise(sites: &Sites, orphans: Option<&Orphans>, companion: &mut dyn Compa
     screen.clear();
     supervisor.kill_all();
     watched?;
-    Ok((end.unwrap_or(End::Done { broken: false }), supervisor.restarts()))
+    Ok(Supervised {
+        end: end.unwrap_or(End::Done { broken: false }),
+        restarts: supervisor.restarts(),
+        absent: supervisor.absent().to_vec(),
+    })
 }
 
 /// Finds out before the run whether its report can be written.

@@ -56,6 +56,11 @@ fn plot_recordings_that_are_none() {
     let run = |file: &str, words: &[&str]| {
         let file = format!("plot_source.file='{file}'");
         refused(&bench, &small_config(), &["--set", "run.source=plot-source", "--set", &file], words);
+        let folders = [bench.path(""), bench.path("recordings")];
+        let files = folders.iter().flat_map(|folder| std::fs::read_dir(folder).into_iter().flatten().flatten());
+        let names: Vec<String> = files.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        let is_left = |name: &String| [".tmp", ".mcap", ".report.json"].iter().any(|end| name.ends_with(end));
+        assert!(!names.iter().any(is_left), "{names:?}");
     };
     run("none.ast", &["none.ast", "No such file"]);
     run("/tmp", &["/tmp", "directory"]);

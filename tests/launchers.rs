@@ -2,7 +2,7 @@
 
 mod support;
 
-use support::{Bench, number, pids, scan, text_of};
+use support::{Bench, number, output, pids, scan, text_of};
 
 const ENDLESS: [&str; 4] = ["--scans", "0", "--speed", "1"];
 
@@ -11,6 +11,9 @@ fn stages_outlive_their_launcher_and_a_new_one_takes_over() {
     let bench = Bench::new();
     let first = bench.start(&ENDLESS);
     let before = bench.wait_for("scans", |status| pids(status).filter(|_| scan(status) >= Some(3)));
+    // Without a configuration, status is that of the chain in the domain.
+    let bare = output(bench.bare("status").arg("--json"));
+    assert!(bare.status.success() && text_of(&bare).contains("plot-extractor"), "{}", text_of(&bare));
     first.kill();
     let seen = bench.wait_for("a scan without a launcher", scan);
     let orphans = bench.wait_for("more scans", |status| pids(status).filter(|_| scan(status) >= Some(seen + 4)));

@@ -134,6 +134,8 @@ fn what_cannot_be_used_is_one_line() {
         let ended = bench.run(&[&["--scans", "1", "--no-record"], &arguments[..]].concat());
         let lines = String::from_utf8_lossy(&ended.stderr).lines().filter(|line| line.contains(&expected)).count();
         assert_eq!(lines, 1, "{}", text_of(&ended));
+        let repeated = text_of(&ended).contains("the run was without outputs");
+        assert_eq!(repeated, ended.status.success(), "{}", text_of(&ended));
     }
 }
 

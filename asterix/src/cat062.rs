@@ -53,6 +53,8 @@ const SIGMA_VY: Field = field!(CAT062_1_21, "500/ATV/Y");
 const SIGMA_AX: Field = field!(CAT062_1_21, "500/AA/X");
 const SIGMA_AY: Field = field!(CAT062_1_21, "500/AA/Y");
 const SIGMA_CLIMB_RATE: Field = field!(CAT062_1_21, "500/ARC");
+const UNIT: Field = field!(CAT062_1_21, "510/IDENT");
+const NUMBER_IN_UNIT: Field = field!(CAT062_1_21, "510/TRACK");
 const PLOT_SAC: Field = field!(CAT062_1_21, "340/SID/SAC");
 const PLOT_SIC: Field = field!(CAT062_1_21, "340/SID/SIC");
 const PLOT_RANGE: Field = field!(CAT062_1_21, "340/POS/RHO");
@@ -87,6 +89,25 @@ pub struct Accuracy {
     pub acceleration_mps2: Option<[f64; 2]>,
     /// Rate of climb, m/s.
     pub climb_rate_mps: Option<f64>,
+}
+
+/// The number of a track in one of the units that have a part in it, I062/510.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub struct UnitTrack {
+    /// The unit.
+    pub unit: u8,
+    /// Its number of the track, up to [`Self::LARGEST_NUMBER`].
+    pub number: u16,
+}
+
+impl UnitTrack {
+    /// Numbers have 15 bits.
+    pub const LARGEST_NUMBER: u16 = 0x7fff;
+
+    /// The number of the track `id`: its lower 15 bits.
+    pub fn number_of(id: u64) -> u16 {
+        id as u16 & Self::LARGEST_NUMBER
+    }
 }
 
 /// A system track. What is absent is `None`. Of a value too large for its item the largest possible is written; a position
@@ -134,6 +155,9 @@ pub struct SystemTrack {
     pub movement: Option<Movement>,
     /// Standard errors.
     pub accuracy: Option<Accuracy>,
+    /// Its composed number, of nine units at most: first the unit that is responsible for the track, with its own number of it (the
+    /// master track), then those whose tracks it is made of, with theirs (the slave tracks).
+    pub composed: [Option<UnitTrack>; 9],
     /// The last plot: radar, slant range, m, and azimuth, rad.
     pub plot: Option<(SourceId, f64, f64)>,
 }
@@ -187,6 +211,11 @@ impl SystemTrack {
         }
         if let Some(rate_mps) = self.climb_rate_mps {
             record.put_nearest(&CLIMB_RATE, rate_mps / FT_M * 60.0)?;
+        }
+        for of_unit in self.composed.iter().flatten() {
+            record.begin_link(&UNIT)?;
+            record.put_raw(&UNIT, of_unit.unit.into())?;
+            record.put_raw(&NUMBER_IN_UNIT, of_unit.number.into())?;
         }
         if let Some(accuracy) = &self.accuracy {
             accuracy.write(record)?;
@@ -256,6 +285,10 @@ impl SystemTrack {
                 velocity_mps: pair(&SIGMA_VX, &SIGMA_VY).unwrap_or_default(),
                 acceleration_mps2: pair(&SIGMA_AX, &SIGMA_AY),
                 climb_rate_mps: SIGMA_CLIMB_RATE.value(record).map(|ft_per_min| ft_per_min * FT_M / 60.0),
+            }),
+            composed: std::array::from_fn(|link| {
+                let (unit, number) = UNIT.raw_of(record, link).zip(NUMBER_IN_UNIT.raw_of(record, link))?;
+                Some(UnitTrack { unit: unit as u8, number: number as u16 })
             }),
             plot: SourceId::read(record, &PLOT_SAC, &PLOT_SIC).and_then(|source| {
                 let (range_nm, azimuth_deg) = PLOT_RANGE.value(record).zip(PLOT_AZIMUTH.value(record))?;

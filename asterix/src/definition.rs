@@ -156,9 +156,9 @@ impl Shape {
     }
 
     /// Size of one of a chain, octets, if this is what is chained: the bit that says whether another one follows included.
-    pub(crate) fn link_octets(&self) -> usize {
+    pub(crate) const fn link_octets(&self) -> usize {
         match self {
-            Self::Element { bits, .. } | Self::Group { bits, .. } => usize::from(*bits + 1) / 8,
+            Self::Element { bits, .. } | Self::Group { bits, .. } => (*bits + 1) as usize / 8,
             _ => 1,
         }
     }

@@ -64,7 +64,7 @@ pub struct Field {
     pub(crate) part: Option<(&'static [Option<Item>], usize)>,
     /// First bit in the item or in the part.
     pub(crate) first_bit: u16,
-    /// Size of the item or of the part, octets; none if it is extended.
+    /// Size of the item, of the part or of a link of a chained item, octets; none if it is extended.
     pub(crate) octets: Option<usize>,
 }
 
@@ -148,6 +148,10 @@ impl Field {
                 }
                 Err(FieldError::Unknown)
             }
+            Shape::Chained(link) if self.part.is_none() => {
+                self.octets = Some(link.link_octets());
+                self.inside(link, path, depth)
+            }
             Shape::Counted(_) | Shape::Chained(_) | Shape::Explicit => Err(FieldError::NoElement),
         }
     }
@@ -167,6 +171,13 @@ impl Field {
             Some((items, part)) => &item[compound(items, item, part).ok()?],
         };
         bits(bytes, self.first_bit, self.bits)
+    }
+
+    /// The bits of the element in a link of a chained item, from 0; the first is [`Self::raw`].
+    #[inline]
+    pub fn raw_of(&self, record: &Record<'_>, link: usize) -> Option<u64> {
+        let octets = self.octets?;
+        bits(record.octets(self.position)?.chunks_exact(octets).nth(link)?, self.first_bit, self.bits)
     }
 
     /// Whether the element is 1, if the record has it.

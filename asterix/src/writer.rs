@@ -196,6 +196,23 @@ impl<'a> RecordWriter<'a> {
         Ok(())
     }
 
+    /// Begins the first or the next link of the chained item of a field: what is put from here on is of that.
+    ///
+    /// # Errors
+    /// [`EncodeError`]: the item is not in order.
+    #[inline]
+    pub fn begin_link(&mut self, field: &Field) -> Result<(), EncodeError> {
+        if self.position != Some(field.position) {
+            return self.begin(field);
+        }
+        if let Some(last) = self.out.last_mut() {
+            *last |= 1;
+        }
+        self.start = self.out.len();
+        self.out.resize(self.start + field.octets.unwrap_or(0), 0);
+        Ok(())
+    }
+
     /// Writes a value in the unit of the specification, rounded to a whole number of steps.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! What is written of a report or a track is read again, to half a step of each item.
 
 use asterix::block::Blocks;
-use asterix::cat062::{Accuracy, Movement, SystemTrack};
+use asterix::cat062::{Accuracy, Movement, SystemTrack, UnitTrack};
 use asterix::cat065::{Operation, SystemStatus};
 use asterix::definition::Edition;
 use asterix::editions::Editions;
@@ -126,7 +126,9 @@ proptest! {
         movement in option::of((0_u8..4, 0_u8..4, 0_u8..4)),
         errors in option::of(([0.0..30_000.0, 0.0..30_000.0], -1e8..1e8, [0.0..63.0, 0.0..63.0], option::of(0.0..480.0))),
         plot in option::of((any::<u8>(), 0.0..470_000.0, 0.0..6.0)),
+        units in prop::collection::vec((any::<u8>(), 0..=UnitTrack::LARGEST_NUMBER), 0..=9),
     ) {
+        let of_unit = |&(unit, number): &(u8, u16)| UnitTrack { unit, number };
         let track = SystemTrack {
             source,
             service,
@@ -138,6 +140,7 @@ proptest! {
             acceleration_mps2,
             height_m: vertical.0,
             climb_rate_mps: vertical.1,
+            composed: std::array::from_fn(|link| units.get(link).map(of_unit)),
             monosensor: flags[0],
             tentative: flags[1],
             simulated: flags[2],

@@ -26,6 +26,7 @@ pub mod layout;
 pub mod logging;
 pub mod message;
 pub mod messages;
+pub mod network;
 pub mod pace;
 pub mod plots;
 pub mod printable;

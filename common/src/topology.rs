@@ -7,7 +7,7 @@
 //! video-source: dwells; plot-source, replay, a program of the user's: any of these topics ──┘
 //! any of these topics but dwells ──▶ link-out ──another host──▶ link-in ──▶ the same topics
 //! display: all topics, never waited for ──commands──▶ tracker ──actions, clutter-map──▶ recorder, display
-//! outputs: tracks and plots, never waited for
+//! outputs: tracks, and what they are made of, never waited for
 //! ```
 //!
 //! A publisher waits for the consumers that the table requires. Every other subscriber is an observer: its full queue
@@ -186,7 +186,7 @@ pub const STAGES: [Stage; 12] = [
     Stage {
         name: OUTPUTS,
         role: Role::Observer(Observer::Outputs),
-        inputs: &[never(Topic::Tracks), never(Topic::Plots)],
+        inputs: &[never(Topic::Tracks), never(Topic::Plots), never(Topic::SystemTracks), never(Topic::Actions)],
         outputs: &[],
     },
 ];

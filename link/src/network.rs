@@ -120,7 +120,8 @@ fn settings(chain: &ChainConfig) -> anyhow::Result<zenoh::Config> {
     if link.zenoh.is_empty() || !link.connect.is_empty() {
         set("connect/endpoints", serde_json::to_string(&link.connect)?)?;
     }
-    set("connect/timeout_ms", "0".into())?;
+    // Without an end: 0 would try once, and a host that begins before the other would never find it.
+    set("connect/timeout_ms", "-1".into())?;
     set("connect/exit_on_failure", "false".into())?;
     set(
         "connect/retry",

@@ -210,7 +210,9 @@ fn radars_on_their_own_hosts_give_the_centre_the_same_picture() {
         let messages = recording::open(&of_site(bench, "centre")).expect("a recording");
         let mut messages: Vec<Recorded> = messages.map(|message| message.expect("readable")).collect();
         messages.retain(|message| [Topic::SystemTracks, Topic::Tracks].contains(&message.by_ref().topic()));
-        messages.iter_mut().for_each(|message| message.header_mut().make_comparable());
+        for message in &mut messages {
+            message.header_mut().make_comparable();
+        }
         messages.sort_by_key(|message| (message.by_ref().topic(), message.by_ref().seq()));
         messages
     };

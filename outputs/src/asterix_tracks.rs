@@ -1,8 +1,8 @@
 //! Tracks as ASTERIX: category 062 for the tracks, category 065 once a scan for the state of the system.
 
-use asterix::cat062::{Accuracy, Movement, SystemTrack};
+use asterix::cat062::{Accuracy, Movement, SystemTrack, UnitTrack};
 use asterix::cat065::SystemStatus;
-use asterix::report::TimeOfDay;
+use asterix::report::{SourceId, TimeOfDay};
 use asterix::tables::{CAT062_1_21, CAT065_1_6};
 use asterix::{BlockWriter, EncodeError};
 use common::tracks::{
@@ -30,7 +30,7 @@ pub struct AsterixTracks {
 impl Format for AsterixTracks {
     fn tracks(&mut self, update: &Update<'_>, out: &mut Frames) {
         for target in update.targets {
-            let record = system_track(update.site, target);
+            let record = system_track(update, target);
             self.record.clear();
             let mut block = BlockWriter::new(CAT062_1_21, &mut self.record);
             if block.record(|writer| record.write(writer)).is_err() {
@@ -63,15 +63,22 @@ fn status(update: &Update<'_>, octets: &mut Vec<u8>) -> Result<(), EncodeError> 
     BlockWriter::new(CAT065_1_6, octets).record(|writer| status.write(writer))
 }
 
-fn system_track(site: &Site, target: &Target<'_>) -> SystemTrack {
-    let track = target.track;
+fn system_track(update: &Update<'_>, target: &Target<'_>) -> SystemTrack {
+    let (site, track) = (update.site, target.track);
     let [x, vx, ax, y, vy, ay, _, vz, _] = track.state;
     let sigma = |component: usize| target.sigma(component);
     let has_height = target.has_height();
     let knows_acceleration = usize::from(track.known) == STATE;
+    let of_unit = |(unit, id)| UnitTrack { unit, number: UnitTrack::number_of(id) };
+    let mut slaves = update.origins.contributors(track.id).map(of_unit).peekable();
+    let master = slaves.peek().map(|_| of_unit((site.source().sic, track.id)));
+    let mut composed = [None; 9];
+    for (place, of_unit) in composed.iter_mut().zip(master.into_iter().chain(slaves)) {
+        *place = Some(of_unit);
+    }
     SystemTrack {
         source: site.source(),
-        number: track.id as u16,
+        number: UnitTrack::number_of(track.id),
         time_of_day: Some(time_of_day(target.time_ns)),
         position_deg: target.place.map(|place| [place.latitude_deg, place.longitude_deg]),
         position_m: Some([x, y]),
@@ -96,8 +103,16 @@ fn system_track(site: &Site, target: &Target<'_>) -> SystemTrack {
             acceleration_mps2: knows_acceleration.then(|| [sigma(2), sigma(5)]),
             climb_rate_mps: has_height.then(|| sigma(7)),
         }),
+        composed,
+        plot: update.origins.plot(track).map(|(radar, plot)| (radar_of(radar, site), plot.range_m, plot.azimuth_rad)),
         ..SystemTrack::default()
     }
+}
+
+/// The radar of a plot: as the plot says, else that of the site.
+fn radar_of(source_id: u32, site: &Site) -> SourceId {
+    let [.., sac, sic] = source_id.to_be_bytes();
+    if source_id == 0 { site.source() } else { SourceId { sac, sic } }
 }
 
 /// Appends a block's record to the block that is open, whose length grows with it; a block that would become too large is
@@ -151,12 +166,14 @@ fn movement(track: &Track, has_height: bool) -> Movement {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::origins::Origins;
     use crate::targets::Roster;
     use crate::targets::tests::{NOON_NS, site, targets, track};
     use asterix::block::Blocks;
     use asterix::record::Records;
-    use asterix::report::SourceId;
     use common::config::{ChainConfig, OutputConfig, Source};
+    use common::plots::{Plot, PlotsHeader};
+    use common::system_tracks::{self, CONTRIBUTORS, Contributor, SystemTracksHeader};
     use common::tracks::{CONFIRMED, TERMINATED};
 
     /// Tracks and the number of status messages in datagrams.
@@ -178,8 +195,17 @@ mod tests {
     }
 
     fn send(out: &mut AsterixTracks, site: &Site, targets: &[Target<'_>], ends_scan: bool) -> Frames {
+        send_with(out, site, &Origins::default(), (targets, ends_scan))
+    }
+
+    fn send_with(
+        out: &mut AsterixTracks,
+        site: &Site,
+        origins: &Origins,
+        (targets, ends_scan): (&[Target<'_>], bool),
+    ) -> Frames {
         let mut frames = Frames::default();
-        let update = Update { site, time_ns: NOON_NS, ends_scan, targets, latency_ns: 0 };
+        let update = Update { site, time_ns: NOON_NS, ends_scan, targets, origins, latency_ns: 0 };
         out.tracks(&update, &mut frames);
         frames
     }
@@ -220,9 +246,37 @@ mod tests {
         let mut chain = ChainConfig::default();
         chain.run.source = Source::Fusion;
         let tracks = [track(7, NOON_NS, CONFIRMED)];
-        let frames = send(&mut AsterixTracks::default(), &Site::new(&chain, false), &targets(&tracks), false);
+        let frames = send(&mut AsterixTracks::default(), &Site::new(&chain, 1, false), &targets(&tracks), false);
         let (sent, _) = read(&frames);
         assert!(!sent[0].monosensor && !sent[0].simulated);
+        assert_eq!((sent[0].plot, sent[0].composed), (None, [None; 9]));
+    }
+
+    #[test]
+    fn a_track_says_of_which_plot_and_of_which_tracks_it_is() {
+        let mut origins = Origins::new(vec![7, 8]);
+        let plot = Plot { range_m: 14_000.0, azimuth_rad: 2.0, ..Plot::default() };
+        origins.take_plots(
+            &PlotsHeader { seq: 3, sectors_per_scan: 32, source_id: 3 << 8 | 4, ..PlotsHeader::default() },
+            &[plot],
+        );
+        let mut site = site();
+        site.source_id = 25 << 8 | 9;
+        let mut contributors = [Contributor::default(); CONTRIBUTORS];
+        contributors[0] = Contributor { id: 0x8001, site: 1, reserved: 0 };
+        contributors[1] = Contributor { id: 12, site: 0, reserved: 0 };
+        let system =
+            system_tracks::SystemTrack { id: 0x8007, contributors, contributor_count: 2, ..Default::default() };
+        origins.take_system_tracks(&SystemTracksHeader::default(), &[system]);
+        let tracks = [Track { best_plot_seq: 3, best_plot_index: 0, ..track(0x8007, NOON_NS, CONFIRMED) }];
+        let frames = send_with(&mut AsterixTracks::default(), &site, &origins, (&targets(&tracks), false));
+        let sent = read(&frames).0[0];
+        let (source, range_m, azimuth_rad) = sent.plot.expect("a plot");
+        assert_eq!(source, SourceId { sac: 3, sic: 4 }, "that of the plot, and not of the site");
+        assert!((range_m - 14_000.0).abs() <= 1852.0 / 512.0 && (azimuth_rad - 2.0).abs() <= 1e-4);
+        let of_unit = |unit: u8, number: u16| Some(UnitTrack { unit, number });
+        assert_eq!(sent.number, 7);
+        assert_eq!(sent.composed[..4], [of_unit(9, 7), of_unit(8, 1), of_unit(7, 12), None]);
     }
 
     #[test]

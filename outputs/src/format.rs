@@ -4,6 +4,7 @@ use std::time::SystemTime;
 
 use common::plots::{Plot, PlotsHeader};
 
+use crate::origins::Origins;
 use crate::targets::{Site, Target};
 
 /// Frames for one peer: whole datagrams, or pieces of a stream that are sent wholly or not at all.
@@ -59,6 +60,8 @@ pub struct Update<'a> {
     pub ends_scan: bool,
     /// The tracks to report.
     pub targets: &'a [Target<'a>],
+    /// What they were made of, and what they are called.
+    pub origins: &'a Origins,
     /// From the source's sending of the sector to now, ns; 0 where it is not known.
     pub latency_ns: u64,
 }

@@ -14,6 +14,9 @@ pub struct TrackLine<'a> {
     site: &'a str,
     /// Number of the track, of this track only while `session` is the same.
     id: u64,
+    /// What operators call it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<&'a str>,
     /// Start of the tracker.
     session: u64,
     /// Time of the state, RFC 3339, UTC.
@@ -64,14 +67,15 @@ pub struct TrackLine<'a> {
 }
 
 impl<'a> TrackLine<'a> {
-    /// The report of a target at the site of this name.
-    pub fn new(site: &'a str, target: &Target<'_>) -> Self {
+    /// The report of a target at the site of this name, which operators call `name`.
+    pub fn new(site: &'a str, name: Option<&'a str>, target: &Target<'_>) -> Self {
         let track = target.track;
         let ([east_m, north_m, up_m], [east_mps, north_mps, up_mps]) = (track.position_m(), track.velocity_mps());
         let has_height = target.has_height();
         Self {
             site,
             id: track.id,
+            name,
             session: target.session,
             time: rfc3339(target.time_ns),
             state: target.state(),
@@ -112,7 +116,8 @@ impl Format for JsonLines {
     fn tracks(&mut self, update: &Update<'_>, out: &mut Frames) {
         for target in update.targets {
             let written = out.frame(|octets| {
-                serde_json::to_writer(&mut *octets, &TrackLine::new(&update.site.name, target))?;
+                let name = update.origins.label(target.track.id);
+                serde_json::to_writer(&mut *octets, &TrackLine::new(&update.site.name, name, target))?;
                 octets.push(b'\n');
                 Ok::<(), serde_json::Error>(())
             });
@@ -128,16 +133,33 @@ impl Format for JsonLines {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::origins::Origins;
     use crate::targets::tests::{NOON_NS, site, targets, track};
+    use common::commands::{ACCEPTED, Command, LABEL};
+    use common::label::Label;
     use common::tracks::{CONFIRMED, KIND_HOVER};
     use serde_json::Value;
 
     fn line(change: impl FnOnce(&mut common::tracks::Track)) -> Value {
+        named_line(change, "")
+    }
+
+    fn named_line(change: impl FnOnce(&mut common::tracks::Track), name: &str) -> Value {
+        let mut origins = Origins::default();
+        let label = Command { track_id: 7, name: Label::new(name), outcome: ACCEPTED, ..Command::new(LABEL, 1, 1) };
+        origins.take_action(&label);
         let mut tracks = [track(7, NOON_NS, CONFIRMED)];
         change(&mut tracks[0]);
         let site = site();
         let targets = targets(&tracks);
-        let update = Update { site: &site, time_ns: NOON_NS, ends_scan: false, targets: &targets, latency_ns: 0 };
+        let update = Update {
+            site: &site,
+            time_ns: NOON_NS,
+            ends_scan: false,
+            targets: &targets,
+            origins: &origins,
+            latency_ns: 0,
+        };
         let mut frames = Frames::default();
         JsonLines::default().tracks(&update, &mut frames);
         let frame = frames.iter().next().expect("a line");
@@ -154,7 +176,8 @@ mod tests {
         let place = site().place([12_345.25, -6789.0, 900.0]).expect("a place");
         assert_eq!(said["latitude_deg"].as_f64(), Some(place.latitude_deg));
         assert_eq!(said["height_m"].as_f64(), Some(place.height_m));
-        assert!(said.get("estimator").is_none());
+        assert!(said.get("estimator").is_none() && said.get("name").is_none());
+        assert_eq!(named_line(|_| (), "blue")["name"], "blue");
         let flat = line(|track| track.covariance[pack(6, 6)] = 0.0);
         assert!(["height_m", "up_m", "up_mps", "sigma_up_m"].iter().all(|&key| flat.get(key).is_none()));
     }

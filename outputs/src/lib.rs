@@ -7,6 +7,8 @@
 //! plots  ──▶   asterix_plots  048, 034        ┘
 //! ```
 //!
+//! [`origins`] remembers what else is known of a track: its plots, the tracks that it was made of, its label.
+//!
 //! A [`format::Format`] makes frames of messages, a [`lines::Line`] carries them. The process is an observer: the chain never
 //! waits for it, it never waits for a peer, and what a peer does not take is counted.
 
@@ -17,6 +19,7 @@ pub mod format;
 pub mod json;
 pub mod lines;
 pub mod nmea;
+pub mod origins;
 pub mod output;
 pub mod process;
 pub mod sapient;

@@ -155,12 +155,20 @@ impl Format for Nmea {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::origins::Origins;
     use crate::targets::tests::{NOON_NS, site, targets, track};
     use common::tracks::{CONFIRMED, Track};
 
     fn said(nmea: &mut Nmea, tracks: &[Track]) -> Vec<String> {
         let (site, targets) = (site(), targets(tracks));
-        let update = Update { site: &site, time_ns: NOON_NS, ends_scan: false, targets: &targets, latency_ns: 0 };
+        let update = Update {
+            site: &site,
+            time_ns: NOON_NS,
+            ends_scan: false,
+            targets: &targets,
+            origins: &Origins::default(),
+            latency_ns: 0,
+        };
         let mut frames = Frames::default();
         nmea.tracks(&update, &mut frames);
         frames.iter().map(|frame| String::from_utf8(frame.to_vec()).expect("text")).collect()

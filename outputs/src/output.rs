@@ -15,6 +15,7 @@ use crate::format::{Format, Frames, Update};
 use crate::json::JsonLines;
 use crate::lines::{self, Counts, Event, Line};
 use crate::nmea::Nmea;
+use crate::origins::Origins;
 use crate::sapient::EdgeNode;
 use crate::targets::{Roster, Site};
 
@@ -90,7 +91,13 @@ impl Output {
     }
 
     /// Sends the tracks of a message from the site of this place, which the source sent `latency_ns` ago.
-    pub fn take_tracks(&mut self, site: usize, header: &TracksHeader, tracks: &[Track], latency_ns: u64) {
+    pub fn take_tracks(
+        &mut self,
+        site: usize,
+        (header, tracks): (&TracksHeader, &[Track]),
+        origins: &Origins,
+        latency_ns: u64,
+    ) {
         if self.sends != Sent::Tracks || self.sites[site].is_none() {
             return;
         }
@@ -103,6 +110,7 @@ impl Output {
             time_ns: header.time_ns.saturating_add_signed(shift_ns),
             ends_scan: header.has(END_OF_SCAN),
             targets: &targets,
+            origins,
             latency_ns,
         };
         self.reports += targets.len() as u64;

@@ -3,19 +3,21 @@
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use common::config::{ChainConfig, Sent, Sites, Source};
+use common::config::{ChainConfig, OutputFormat, Sent, Sites, Source};
 use common::health::{Reject, Rejected};
 use common::ipc::{Flow, IpcError, ObserverLosses, Received, Station, Subscriber, Turn, attend};
 use common::message::END_OF_STREAM;
-use common::messages::{Plots, Tracks};
+use common::messages::{Actions, Plots, SystemTracks, Tracks};
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, say, stop_requested, tell};
 use common::realtime;
 use common::time::monotonic_ns;
 use common::topic::Topic;
-use common::topology::OUTPUTS;
+use common::topology::{OUTPUTS, TRACKER, runs};
+use common::tracks::TERMINATED;
 
+use crate::origins::Origins;
 use crate::output::Output;
-use crate::targets::Site;
+use crate::targets::{Site, units};
 
 /// Name of the process.
 pub const NAME: &str = OUTPUTS;
@@ -33,9 +35,10 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
         return Err(BadInput("no output is configured, expected a table [outputs.NAME]".into()).into());
     }
     let (session, refused) = (new_session(), realtime::apply(chain.realtime.of(NAME)));
-    let mut outputs = open_outputs(&sites, session)?;
+    let units = units(sites.all());
+    let mut outputs = open_outputs(&sites, &units, session)?;
     let first = Station::enter(NAME, chain)?;
-    let mut feeds = feeds(&first, &sites)?;
+    let mut feeds = feeds(&first, &sites, &units)?;
     let mut wakes = Vec::new();
     for feed in &feeds {
         wakes.push(feed.station.wake(Topic::Tracks)?);
@@ -73,7 +76,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// All outputs, each with the sites that it takes.
-fn open_outputs(sites: &Sites, session: u64) -> anyhow::Result<Vec<Output>> {
+fn open_outputs(sites: &Sites, units: &[u8], session: u64) -> anyhow::Result<Vec<Output>> {
     let any_simulated = sites.all().iter().any(|site| site.run.source == Source::RadarSim);
     let is_simulated = |site: &ChainConfig| match site.run.source {
         Source::Fusion => any_simulated,
@@ -84,8 +87,9 @@ fn open_outputs(sites: &Sites, session: u64) -> anyhow::Result<Vec<Output>> {
         if !config.site.is_empty() {
             sites.named(&config.site)?;
         }
-        let of_site = |site: &ChainConfig| config.takes(site).then(|| Site::new(site, is_simulated(site)));
-        let taken: Vec<_> = sites.all().iter().map(of_site).collect();
+        let of_site =
+            |(site, &unit): (&ChainConfig, &u8)| config.takes(site).then(|| Site::new(site, unit, is_simulated(site)));
+        let taken: Vec<_> = sites.all().iter().zip(units).map(of_site).collect();
         if taken.iter().flatten().any(|site| site.position.is_none()) {
             say(&format!("output `{name}`: key `site.position` is not set: no latitude, longitude or height is sent"));
         }
@@ -138,19 +142,39 @@ fn describe(health: &mut common::health::Health, outputs: &[Output], feeds: &[Fe
 struct Feed {
     station: Station,
     tracks: Subscriber<Tracks>,
-    /// Where an output sends plots of it.
+    /// Where an output sends plots of it, or says of which plots its tracks are.
     plots: Option<Subscriber<Plots>>,
+    /// Where an output says of which local tracks its tracks are.
+    system_tracks: Option<Subscriber<SystemTracks>>,
+    /// Where an output says what operators call its tracks.
+    actions: Option<Subscriber<Actions>>,
+    origins: Origins,
     scan: u32,
     ended: bool,
 }
 
-fn feeds(first: &Station, sites: &Sites) -> Result<Vec<Feed>, IpcError> {
+fn feeds(first: &Station, sites: &Sites, units: &[u8]) -> Result<Vec<Feed>, IpcError> {
     let feed = |site: &ChainConfig| {
         let station = first.at(site);
         let tracks = station.subscriber()?;
-        let wants_plots = site.outputs.values().any(|output| output.send == Sent::Plots && output.takes(site));
-        let plots = wants_plots.then(|| station.subscriber()).transpose()?;
-        Ok(Feed { station, tracks, plots, scan: 0, ended: false })
+        let takes = |format: OutputFormat, sent: Sent| {
+            let mut of_site = site.outputs.iter().filter(|(_, output)| output.takes(site));
+            of_site.any(|(name, output)| output.send == sent && output.format(name) == Some(format))
+        };
+        let sends = |format: OutputFormat| takes(format, Sent::Tracks);
+        let (is_fused, says_origins) = (site.run.source == Source::Fusion, sends(OutputFormat::Asterix));
+        let wants_plots = takes(OutputFormat::Asterix, Sent::Plots) || says_origins && !is_fused;
+        let wants_labels = sends(OutputFormat::Json) && runs(site, TRACKER);
+        Ok(Feed {
+            tracks,
+            plots: wants_plots.then(|| station.subscriber()).transpose()?,
+            system_tracks: (says_origins && is_fused).then(|| station.subscriber()).transpose()?,
+            actions: wants_labels.then(|| station.subscriber()).transpose()?,
+            origins: Origins::new(units.to_vec()),
+            scan: 0,
+            ended: false,
+            station,
+        })
     };
     sites.all().iter().map(feed).collect()
 }
@@ -158,22 +182,43 @@ fn feeds(first: &Station, sites: &Sites) -> Result<Vec<Feed>, IpcError> {
 impl Feed {
     /// Hands what waits to the outputs; `site` is the place of the feed among the sites.
     fn pass_on(&mut self, site: usize, outputs: &mut [Output], turn: &Turn) -> Result<(), IpcError> {
-        while let Some(plots) = self.plots.as_ref().filter(|_| !turn.is_over())
-            && let Some(message) = plots.receive()?
-        {
-            for output in &mut *outputs {
-                output.take_plots(site, message.header(), message.elements());
-            }
-        }
+        self.take_origins(site, outputs)?;
         while !turn.is_over()
             && let Some(message) = self.tracks.receive()?
         {
+            // What tracks are made of is published before them: it is there when they are, and may not have been a moment ago.
+            self.take_origins(site, outputs)?;
             let latency_ns = latency_ns(&message);
             self.scan = message.header().scan;
             self.ended = message.header().has(END_OF_STREAM);
             for output in &mut *outputs {
-                output.take_tracks(site, message.header(), message.elements(), latency_ns);
+                output.take_tracks(site, (message.header(), message.elements()), &self.origins, latency_ns);
             }
+            let ended = message.elements().iter().filter(|track| track.state_code == TERMINATED);
+            ended.for_each(|track| self.origins.forget(track.id));
+        }
+        Ok(())
+    }
+
+    /// Remembers what tracks are made of and called, and hands plots on.
+    fn take_origins(&mut self, site: usize, outputs: &mut [Output]) -> Result<(), IpcError> {
+        while let Some(plots) = &self.plots
+            && let Some(message) = plots.receive()?
+        {
+            self.origins.take_plots(message.header(), message.elements());
+            for output in &mut *outputs {
+                output.take_plots(site, message.header(), message.elements());
+            }
+        }
+        while let Some(system_tracks) = &self.system_tracks
+            && let Some(message) = system_tracks.receive()?
+        {
+            self.origins.take_system_tracks(message.header(), message.elements());
+        }
+        while let Some(actions) = &self.actions
+            && let Some(message) = actions.receive()?
+        {
+            message.elements().iter().for_each(|action| self.origins.take_action(action));
         }
         Ok(())
     }

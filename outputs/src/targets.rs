@@ -30,11 +30,11 @@ pub struct Site {
 }
 
 impl Site {
-    /// That of the chain `chain`; a site with fused tracks may have its targets from others.
-    pub fn new(chain: &ChainConfig, is_simulated: bool) -> Self {
+    /// That of the chain `chain`, whose SIC is `unit`; a site with fused tracks may have its targets from others.
+    pub fn new(chain: &ChainConfig, unit: u8, is_simulated: bool) -> Self {
         Self {
             name: chain.site.name.clone(),
-            source_id: chain.site.source_id() as u16,
+            source_id: u16::from_be_bytes([chain.site.sac.unwrap_or(0), unit]),
             position: chain.site.position,
             is_fused: chain.run.source == Source::Fusion,
             is_simulated,
@@ -52,6 +52,12 @@ impl Site {
     pub fn place(&self, position_m: [f64; 3]) -> Option<Position> {
         self.frame.map(|frame| frame.place(position_m))
     }
+}
+
+/// The SIC of each site. One that is not configured is the lowest from 1 that no other site has.
+pub fn units(sites: &[ChainConfig]) -> Vec<u8> {
+    let mut free = (1..=u8::MAX).filter(|unit| sites.iter().all(|site| site.site.sic != Some(*unit)));
+    sites.iter().map(|site| site.site.sic.or_else(|| free.next()).unwrap_or(0)).collect()
 }
 
 /// A track and what is remembered of it.
@@ -230,9 +236,9 @@ pub(crate) mod tests {
 
     pub(crate) fn site() -> Site {
         let mut chain = ChainConfig::default();
-        (chain.site.sac, chain.site.sic) = (Some(25), Some(7));
+        chain.site.sac = Some(25);
         chain.site.position = Some(Position { latitude_deg: 50.45, longitude_deg: 30.52, height_m: 120.0 });
-        Site::new(&chain, true)
+        Site::new(&chain, 7, true)
     }
 
     pub(crate) fn track(id: u64, time_ns: u64, state_code: u32) -> Track {
@@ -258,6 +264,17 @@ pub(crate) mod tests {
         roster.targets(&site(), session, tracks, 0, &mut targets);
         let of = |it: &Target<'_>| (it.track.id, it.state(), it.age_s, it.since_plot_s, it.is_first);
         targets.iter().map(of).collect()
+    }
+
+    #[test]
+    fn units_are_configured_or_the_lowest_that_are_free() {
+        let sites = [None, Some(1), None, Some(3)].map(|sic| {
+            let mut chain = ChainConfig::default();
+            chain.site.sic = sic;
+            chain
+        });
+        assert_eq!(units(&sites), [2, 1, 4, 3]);
+        assert_eq!(units(&sites[..1]), [1]);
     }
 
     #[test]

@@ -37,7 +37,8 @@ pub struct PlotExtractor {
 /// Everything that depends on the cells of the radar.
 #[derive(Debug)]
 struct Stages {
-    grid: CellGrid,
+    /// The last dwell that has these cells.
+    last: DwellHeader,
     cfar: Detector,
     clustering: Clustering,
     powers: Vec<f32>,
@@ -123,9 +124,10 @@ impl PlotExtractor {
             dopplers: header.dopplers as usize,
             ranges: header.ranges as usize,
         };
-        if self.stages.as_ref().is_none_or(|stages| stages.grid != grid) {
+        self.end_other_cells(header);
+        if self.stages.is_none() {
             self.stages = Some(Stages {
-                grid,
+                last: *header,
                 cfar: Detector::new(&self.config, grid.ranges),
                 clustering: Clustering::new(grid, self.config.max_dwells),
                 powers: vec![0.0; grid.cells()],
@@ -133,6 +135,7 @@ impl PlotExtractor {
             });
         }
         let stages = self.stages.as_mut()?;
+        stages.last = *header;
         // Before a detector learns from it.
         if jamming::is_saturated(amplitudes, header.full_scale) {
             return Some(Reject::Saturated);
@@ -153,14 +156,24 @@ impl PlotExtractor {
     }
 
     /// Where dwells are missing or the stream goes back, no cluster can grow any more; its
-    /// place in time follows from the dwell before the gap.
+    /// place in time and its cells follow from the last dwell that was used before the gap.
     fn end_clusters_before_gap(&mut self, header: &DwellHeader) {
-        let Some(previous) = self.previous.filter(|previous| header.seq != previous.seq.saturating_add(1)) else {
+        if self.previous.is_none_or(|previous| header.seq == previous.seq.saturating_add(1)) {
             return;
-        };
+        }
         if let Some(stages) = &mut self.stages {
             stages.clustering.close_all(&mut self.closed);
-            self.plot_closed(&previous);
+            let last = stages.last;
+            self.plot_closed(&last);
+        }
+    }
+
+    /// Where a radar changes its cells, the scale of its range for example, its clusters end with the last dwell of the cells before,
+    /// and all begins anew.
+    fn end_other_cells(&mut self, header: &DwellHeader) {
+        if let Some(mut stages) = self.stages.take_if(|stages| cells_of(&stages.last) != cells_of(header)) {
+            stages.clustering.close_all(&mut self.closed);
+            self.plot_closed(&stages.last);
         }
     }
 
@@ -185,7 +198,8 @@ impl PlotExtractor {
             covered_to_dwell =
                 stages.clustering.oldest_open().map_or(covered_to_dwell, |dwell| dwell.min(covered_to_dwell));
         }
-        self.plot_closed(&last);
+        let used = self.stages.as_ref().map_or(last, |stages| stages.last);
+        self.plot_closed(&used);
         let mut flags = flags;
         let left_out = self.plots.len().saturating_sub(MAX_PLOTS) as u32;
         if left_out > 0 {
@@ -241,6 +255,11 @@ impl PlotExtractor {
         self.plots.clear();
         published
     }
+}
+
+/// Which cells a dwell has: how many, and where they begin and how large they are along range.
+fn cells_of(header: &DwellHeader) -> ([u32; 3], [f64; 2]) {
+    ([header.elevations, header.dopplers, header.ranges], [header.range_first_m, header.range_step_m])
 }
 
 /// Why a dwell cannot be used, from its header and length.

@@ -20,7 +20,6 @@ pub mod hearing;
 pub mod level;
 mod listening;
 pub mod live;
-pub mod network;
 pub mod process;
 pub mod radar;
 pub mod radar_clock;

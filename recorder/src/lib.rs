@@ -12,6 +12,7 @@ mod books;
 pub mod command_line;
 pub mod commands;
 pub mod diff;
+mod discard;
 pub mod export;
 pub mod fold;
 pub mod info;
@@ -29,4 +30,5 @@ pub mod scoring;
 pub mod verify;
 pub mod window;
 
+pub use discard::discard_empty;
 pub use fold::Fold;

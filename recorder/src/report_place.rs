@@ -18,6 +18,11 @@ pub(crate) fn report_beside(part: &Path) -> Option<PathBuf> {
     Some(part.with_file_name(format!("{run}.report.json")))
 }
 
+/// The file that becomes the report `path` of the chain with the prefix `chain`: another chain may write its report to the same place.
+pub(crate) fn draft_of(path: &Path, chain: &str) -> PathBuf {
+    path.with_extension(format!("json.{chain}.tmp"))
+}
+
 /// Room for a report: more than the longest lists of misses and gaps need.
 const ROOM_BYTES: u64 = 1 << 20;
 
@@ -43,8 +48,7 @@ impl ReportPlace {
         if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
             return Err(refuse(std::io::Error::other("it exists and is no regular file")));
         }
-        // Of its own: another chain may write its report to the same place.
-        let draft = path.with_extension(format!("json.{chain}.tmp"));
+        let draft = draft_of(path, chain);
         let file = File::create(&draft).map_err(refuse)?;
         if let Err(error) = fallocate(&file, FallocateFlags::empty(), 0, ROOM_BYTES) {
             tracing::warn!("no room was taken for report {}: {error}", path.display());

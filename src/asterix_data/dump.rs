@@ -12,8 +12,8 @@ use asterix::record::Record;
 use asterix::recording::Recording;
 use asterix::recovery::{Unused, records};
 use asterix::value::RecordValues;
+use common::network::{Endpoint, LARGEST_DATAGRAM};
 use common::process::{EXIT_CHECK_BROKEN, say, stop_requested};
-use plot_source::network::{Endpoint, LARGEST_DATAGRAM};
 
 use super::{bad_input, no_recording, read};
 

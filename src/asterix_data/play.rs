@@ -12,10 +12,10 @@ use asterix::record::Records;
 use asterix::recording::{Form, Recording};
 use asterix::recovery::{Piece, Pieces, Unused};
 use asterix::report::{Message, TimeOfDay};
+use common::network::Endpoint;
 use common::pace::{Pace, Speed};
 use common::process::{BadInput, EXIT_CHECK_BROKEN, say, stop_requested, tell};
 use common::units::seconds_between;
-use plot_source::network::Endpoint;
 
 use super::schedule::{Said, Schedule};
 use super::{bad_input, no_recording, read};

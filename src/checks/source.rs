@@ -5,16 +5,16 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use asterix::editions::Editions;
+use common::network::{Endpoint, LARGEST_DATAGRAM};
 use common::process::{BadInput, EXIT_CHECK_BROKEN, print, say, stop_requested, tell};
 use plot_source::hearing::Hearing;
-use plot_source::network::{Endpoint, LARGEST_DATAGRAM};
 
 /// How soon a signal ends the hearing while nothing is received.
 const PATIENCE: Duration = Duration::from_millis(200);
 
 /// Listens at `source` for so long, tells what was heard, and proposes a configuration; exit code 1 if no radar was heard.
 pub(crate) fn hear(source: &str, duration: Duration) -> anyhow::Result<ExitCode> {
-    let endpoint: Endpoint = source.parse().map_err(|error: plot_source::network::NetworkError| refuse(&error))?;
+    let endpoint: Endpoint = source.parse().map_err(|error: common::network::NetworkError| refuse(&error))?;
     let socket = endpoint.open(PATIENCE).map_err(|error| refuse(&error))?;
     tell(&format!("listening at {endpoint} for {duration:?}; Ctrl-C ends it earlier"));
     let (mut hearing, editions, began) = (Hearing::default(), Editions::default(), Instant::now());

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use common::config::Sites;
+use common::config::{IpcConfig, Sites};
 use common::ipc::{Domain, Inhabitant};
 use common::process::BadInput;
 use common::topology::{Stage, label};
@@ -133,5 +133,10 @@ fn started(file: &Path) -> impl Iterator<Item = Inhabitant> {
 
 /// The configuration that the launcher of a domain writes down for its stages.
 pub(crate) fn configuration(sites: &Sites) -> PathBuf {
-    Domain::root(&sites.first().ipc).join("chain.toml")
+    configuration_in(&sites.first().ipc)
+}
+
+/// The same of the chain in a domain.
+pub(crate) fn configuration_in(ipc: &IpcConfig) -> PathBuf {
+    Domain::root(ipc).join("chain.toml")
 }

@@ -26,6 +26,8 @@ pub(crate) struct Supervisor {
     stages: Vec<Stage>,
     /// How each site ends, then the recorder, which serves all of them, and last the observers.
     endings: Vec<Ending>,
+    /// Observers that have refused what is configured, by name.
+    absent: Vec<String>,
 }
 
 /// How the stages of a site end.
@@ -85,7 +87,7 @@ impl Supervisor {
 
     fn new(sites: &Sites, file: PathBuf, stages: Vec<Stage>) -> Self {
         let endings = vec![Ending::default(); sites.all().len() + 2];
-        Self { sites: sites.clone(), file, stages, endings }
+        Self { sites: sites.clone(), file, stages, endings, absent: Vec::new() }
     }
 
     /// What is common to the chain.
@@ -111,6 +113,11 @@ impl Supervisor {
     /// Restarts so far of the processes that the results depend on.
     pub(crate) fn restarts(&self) -> u32 {
         self.stages.iter().filter(|stage| !stage.is_observer()).map(|stage| stage.restarts).sum()
+    }
+
+    /// Names of the observers without which the chain has gone on, because they have refused what is configured.
+    pub(crate) fn absent(&self) -> &[String] {
+        &self.absent
     }
 
     fn of_sites(&self) -> &[Ending] {
@@ -176,7 +183,10 @@ impl Supervisor {
                     self.endings[ending].since.get_or_insert_with(Instant::now);
                 }
             }
-            Event::Refused if is_observer => screen.say(&format!("the chain goes on without {id}")),
+            Event::Refused if is_observer => {
+                screen.say(&format!("the chain goes on without {id}"));
+                self.absent.push(id.to_string());
+            }
             Event::Refused => return Ok(Some(End::Failed(EXIT_BAD_USAGE))),
             Event::Died(signal) => {
                 if id.stage.is_source() && said_end {

@@ -107,7 +107,8 @@ def asterix_values(datagrams):
 
 
 def asterix(verdict, datagrams, lines):
-    by_place = {(line["id"] & 0xFFFF, int(milliseconds(line["time"]) * 128 // 1000)): line for line in lines}
+    by_place = {(line["id"] & 0x7FFF, int(milliseconds(line["time"]) * 128 // 1000)): line for line in lines}
+    fresh = measured = 0
     for category, values in asterix_values(datagrams):
         if category == 65:
             verdict.reports["asterix 065"] += 1
@@ -128,6 +129,15 @@ def asterix(verdict, datagrams, lines):
                 ("185/VY", "north_mps", 0.125),
             ):
                 verdict.compare("asterix 062", path, line[key], values[path], half)
+            fresh += line["since_plot_s"] == 0
+            if line["since_plot_s"] == 0 and "340/POS/RHO" in values:
+                measured += 1
+                range_m, azimuth_deg = values["340/POS/RHO"] * NM_M, values["340/POS/THETA"]
+                track_m = math.hypot(line["east_m"], line["north_m"], line.get("up_m", 0))
+                verdict.require(abs(range_m - track_m) < 300, f"asterix: plot at {range_m} m of a track at {track_m} m")
+                beside_deg = azimuth_deg - math.degrees(math.atan2(line["east_m"], line["north_m"]))
+                verdict.require(abs((beside_deg + 180) % 360 - 180) < 3, f"asterix: plot {beside_deg}° beside its track")
+    verdict.require(0 < fresh <= measured * 1.02, f"asterix: {measured} of {fresh} tracks just seen have their plot")
 
 
 def plots(verdict, datagrams):

@@ -9,20 +9,25 @@ use flate2::read::ZlibDecoder;
 use crate::cells::Packing;
 use crate::spoke::Spoke;
 
-/// No spoke has more cells.
-const MOST_CELLS: usize = 1 << 16;
-/// No more octets come out of a compressed record: 2 MiB, half a million cells of 32 bits.
-const MOST_OCTETS: usize = 2 << 20;
+/// No spoke of a recording has more cells.
+pub const MOST_CELLS: usize = 1 << 16;
+/// Octets of the largest block that cells fill up, I240/052.
+const BLOCK: usize = 256;
 
-/// The spoke of a record received at `time_ns`; none if its cells do not come out of its octets.
-pub fn spoke(record: &VideoRecord<'_>, time_ns: Option<u64>) -> Option<Spoke> {
-    let octets = if record.is_compressed { unzip(record.octets)?.into() } else { Cow::Borrowed(record.octets) };
+/// The spoke of a record received at `time_ns`; none if it has more than `most_cells` cells, or they do not come out of its octets. Of
+/// compressed ones no more is unpacked than they need.
+pub fn spoke(record: &VideoRecord<'_>, most_cells: usize, time_ns: Option<u64>) -> Option<Spoke> {
     let packing = Packing::asterix(record.bits);
     let cells = record.cells as usize;
-    if cells == 0 || cells > MOST_CELLS || packing.cells(octets.len()) < cells {
+    if cells == 0 || cells > most_cells {
         return None;
     }
-    let used = (cells * usize::from(record.bits)).div_ceil(8).min(octets.len());
+    let used = (cells * usize::from(record.bits)).div_ceil(8);
+    let octets =
+        if record.is_compressed { unzip(record.octets, used + BLOCK)?.into() } else { Cow::Borrowed(record.octets) };
+    if octets.len() < used {
+        return None;
+    }
     let range_step_m = record.cell_s * common::units::SPEED_OF_LIGHT_MPS / 2.0;
     Some(Spoke {
         time_ns,
@@ -37,9 +42,27 @@ pub fn spoke(record: &VideoRecord<'_>, time_ns: Option<u64>) -> Option<Spoke> {
     })
 }
 
-fn unzip(octets: &[u8]) -> Option<Vec<u8>> {
+/// What comes out of `octets`; none if that is more than `most` octets.
+fn unzip(octets: &[u8], most: usize) -> Option<Vec<u8>> {
     let mut unpacked = Vec::new();
-    let mut decoder = ZlibDecoder::new(octets).take(MOST_OCTETS as u64 + 1);
+    let mut decoder = ZlibDecoder::new(octets).take(most as u64 + 1);
     decoder.read_to_end(&mut unpacked).ok()?;
-    (unpacked.len() <= MOST_OCTETS).then_some(unpacked)
+    (unpacked.len() <= most).then_some(unpacked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flate2::Compression;
+    use flate2::write::ZlibEncoder;
+    use std::io::Write;
+
+    #[test]
+    fn no_more_is_unpacked_than_cells_need() {
+        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+        encoder.write_all(&[7; 1000]).expect("memory");
+        let packed = encoder.finish().expect("memory");
+        assert_eq!(unzip(&packed, 1000).map(|octets| octets.len()), Some(1000));
+        assert_eq!(unzip(&packed, 999), None);
+    }
 }

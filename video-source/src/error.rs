@@ -6,7 +6,10 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
     /// No file is configured.
-    #[error("key `video_source.file` is empty, expected a recording of radar video (--set video_source.file=FILE)")]
+    #[error(
+        "keys `video_source.file` and `video_source.listen` are empty, expected a recording of radar video or a place on a network (--set \
+         video_source.file=FILE)"
+    )]
     NoFile,
     /// The file cannot be read.
     #[error("cannot read {}: {cause}", path.display())]

@@ -1,7 +1,9 @@
 //! Real radar video in, dwells out: one azimuth, one elevation, one Doppler cell, as many range cells as the radar sends.
 //!
 //! ```text
-//! file ─▶ recording (datagrams) ─▶ cat240 | halo (spokes) ─▶ turning (position in the scan) ─▶ dwells
+//! file ─────▶ recording ┐
+//!                       ├─▶ intake ─▶ cat240 | halo (spokes) ─▶ turning (position in the scan) ─▶ schedule (dwells)
+//! network ──▶ live ─────┘
 //! ```
 //!
 //! **Amplitudes** (C14). A code c of the video stands for the amplitude c + ½, the middle of its step: amplitudes are in steps of the
@@ -11,17 +13,22 @@
 //! not the set one. The largest code is the receiver's full scale.
 //!
 //! **Time.** That of the packets where the file is a capture, or the time of day of the records (I240/140); else the turn of
-//! `radar.scan_period_s` goes round evenly from `run.epoch_s`.
+//! `radar.scan_period_s` goes round evenly from `run.epoch_s`. From the network it is the time of receipt.
 
 pub mod cat240;
 pub mod cells;
 pub mod error;
 pub mod halo;
+mod intake;
+mod listening;
+pub mod live;
 pub mod process;
 pub mod recording;
+mod schedule;
 pub mod spoke;
 pub mod turning;
 
 pub use error::VideoError;
+pub use live::LiveVideo;
 pub use recording::VideoRecording;
 pub use spoke::Spoke;

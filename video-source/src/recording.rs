@@ -2,22 +2,19 @@
 
 use std::path::Path;
 
-use asterix::cat240::{self, VideoRecord};
-use asterix::clock::DayClock;
-use asterix::editions::Editions;
-use asterix::record::Record;
-use asterix::recording::{Datagram, Form, Recording};
-use asterix::recovery::{Unused, records};
+use asterix::recording::{Form, Recording};
 use common::config::ChainConfig;
 use common::dwell::DwellHeader;
 use common::health::{Reject, Rejected};
-use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM};
+use common::message::END_OF_STREAM;
 use common::units::{DAY_NS, NS_PER_S};
 
+use crate::cat240::MOST_CELLS;
 use crate::error::VideoError;
+use crate::intake::Intake;
+use crate::schedule::Schedule;
 use crate::spoke::Spoke;
 use crate::turning::Turning;
-use crate::{cat240 as spokes_of_records, halo};
 
 /// Spacings of spokes looked at to tell how many there are in a turn.
 const SPACINGS: usize = 4096;
@@ -53,9 +50,12 @@ impl VideoRecording {
     /// As [`VideoRecording::open`].
     pub fn read(bytes: &[u8], path: &Path, chain: &ChainConfig) -> Result<Self, VideoError> {
         let recording = Recording::whole(bytes);
-        let mut found = Found::of_day(chain.run.epoch_s * 1_000_000_000 / DAY_NS * DAY_NS);
+        let mut found = Intake::new(&chain.site, MOST_CELLS, chain.run.epoch_s * 1_000_000_000 / DAY_NS * DAY_NS);
         found.unread = recording.lost.len() as u64;
-        recording.datagrams.iter().for_each(|datagram| found.take(datagram, recording.form));
+        for datagram in &recording.datagrams {
+            // A capture of a network has much else in it.
+            found.take(datagram, recording.form);
+        }
         if found.spokes.is_empty() {
             let what = match (bytes.len(), recording.form) {
                 (0, _) => "an empty file".into(),
@@ -64,44 +64,46 @@ impl VideoRecording {
             };
             return Err(VideoError::NoVideo { path: path.into(), found: what });
         }
-        let (expected, in_a_turn) = (chain.radar.dwells_per_scan, spokes_per_turn(&found.spokes));
-        if in_a_turn.is_some_and(|count| (count / f64::from(expected) - 1.0).abs() > SPACING_TOLERANCE) {
-            let found = in_a_turn.unwrap_or_default().round() as u32;
+        let (expected, in_a_turn) =
+            (chain.radar.dwells_per_scan, spokes_per_turn(found.spokes.iter().map(|spoke| spoke.azimuth_rad)));
+        if let Some(found) = in_a_turn.and_then(|found| other_count(found, expected)) {
             return Err(VideoError::Spokes { path: path.into(), found, expected });
         }
         Ok(Self::place(found, chain))
     }
 
     /// Places the spokes in scans and gives them times.
-    fn place(found: Found, chain: &ChainConfig) -> Self {
-        let Found { spokes, mut rejected, unread, .. } = found;
+    fn place(found: Intake, chain: &ChainConfig) -> Self {
+        let Intake { spokes, mut rejected, unread, .. } = found;
         let radar = &chain.radar;
-        let (dwells_per_scan, sectors_per_scan) = (radar.dwells_per_scan, radar.sectors_per_scan);
+        let (schedule, dwells_per_scan) = (Schedule::new(radar), radar.dwells_per_scan);
         let mut turning = Turning::new(dwells_per_scan);
         let mut placed: Vec<(u64, Spoke)> = Vec::with_capacity(spokes.len());
+        let configured_ns = radar.scan_period_s / f64::from(dwells_per_scan) * NS_PER_S;
+        let (mut last_ns, mut last_fingerprint) = (None, None);
         for spoke in spokes {
-            match turning.place(spoke.azimuth_rad) {
-                Some(place) => placed.push((place, spoke)),
-                None => rejected.count(Reject::Late),
-            }
+            let measured_ns = spoke.time_ns.map(|time_ns| time_ns as f64 - f64::from(spoke.followers) * configured_ns);
+            let passed = measured_ns
+                .zip(last_ns)
+                .map(|(measured_ns, last_ns): (f64, f64)| (measured_ns - last_ns) / configured_ns);
+            let fingerprint = Some(spoke.fingerprint());
+            let place = if fingerprint == last_fingerprint { None } else { turning.place(spoke.azimuth_rad, passed) };
+            let Some(place) = place else {
+                rejected.count(Reject::Late);
+                continue;
+            };
+            (last_ns, last_fingerprint) = (measured_ns.or(last_ns), fingerprint);
+            placed.push((place, spoke));
         }
         rejected.count_many(Reject::Late, begin_at_north(&mut placed, dwells_per_scan));
         let scan_period_s = measured_period_s(&placed, dwells_per_scan).unwrap_or(radar.scan_period_s);
         let dwell_ns = scan_period_s / f64::from(dwells_per_scan) * NS_PER_S;
         let epoch_ns = chain.run.epoch_s * 1_000_000_000;
         let most_cells = placed.iter().map(|(_, spoke)| spoke.cells).max().unwrap_or(0);
-        let azimuth_step_rad = std::f64::consts::TAU / f64::from(dwells_per_scan);
         let is_timed = placed.iter().any(|(_, spoke)| spoke.time_ns.is_some());
         let mut before_ns = 0;
         let mut dwells: Vec<(DwellHeader, Spoke)> = Vec::with_capacity(placed.len());
         for (seq, spoke) in placed {
-            let scan = (seq / u64::from(dwells_per_scan)) as u32;
-            let dwell = (seq % u64::from(dwells_per_scan)) as u32;
-            let sector_of =
-                |dwell: u32| (u64::from(dwell) * u64::from(sectors_per_scan) / u64::from(dwells_per_scan)) as u32;
-            let sector = sector_of(dwell);
-            let ends_scan = dwell + 1 == dwells_per_scan;
-            let ends_sector = ends_scan || sector_of(dwell + 1) != sector;
             let untimed_ns =
                 if is_timed { before_ns + dwell_ns as u64 } else { epoch_ns + (seq as f64 * dwell_ns) as u64 };
             let time_ns = spoke
@@ -109,31 +111,7 @@ impl VideoRecording {
                 .map_or(untimed_ns, |time_ns| time_ns.saturating_sub((f64::from(spoke.followers) * dwell_ns) as u64));
             // Packets are late by different times; the beam passes one spoke after the other.
             before_ns = time_ns.max(before_ns + 1);
-            let header = DwellHeader {
-                seq,
-                time_ns: before_ns,
-                azimuth_rad: (f64::from(dwell) + 0.5) * azimuth_step_rad,
-                azimuth_step_rad,
-                elevation_first_rad: 0.0,
-                elevation_step_rad: radar.elevation_step_deg.to_radians(),
-                range_rate_first_mps: 0.0,
-                range_rate_step_mps: radar.range_rate_step_mps,
-                range_first_m: spoke.range_first_m,
-                range_step_m: spoke.range_step_m,
-                scan_period_s,
-                scan,
-                dwell,
-                dwells_per_scan,
-                sector,
-                sectors_per_scan,
-                elevations: 1,
-                dopplers: 1,
-                ranges: spoke.cells as u32,
-                flags: if ends_sector { END_OF_SECTOR } else { 0 } | if ends_scan { END_OF_SCAN } else { 0 },
-                source_id: spoke.source_id,
-                full_scale: spoke.packing.full_scale(),
-                ..DwellHeader::default()
-            };
+            let header = schedule.header(seq, before_ns, scan_period_s, &spoke);
             dwells.push((header, spoke));
         }
         let begin = dwells.partition_point(|(header, _)| header.scan < chain.run.first_scan);
@@ -173,63 +151,6 @@ impl VideoRecording {
     }
 }
 
-/// What a file holds.
-#[derive(Debug)]
-struct Found {
-    /// Of files without times of packets.
-    clock: DayClock,
-    spokes: Vec<Spoke>,
-    rejected: Rejected,
-    unread: u64,
-}
-
-impl Found {
-    /// Nothing yet of a recording whose times of day begin on the day of `midnight_ns`.
-    fn of_day(midnight_ns: u64) -> Self {
-        Self { clock: DayClock::new(midnight_ns), spokes: Vec::new(), rejected: Rejected::default(), unread: 0 }
-    }
-
-    fn take(&mut self, datagram: &Datagram<'_>, form: Form) {
-        if let Some(spokes) = halo::spokes(&datagram.bytes, datagram.time_ns) {
-            for spoke in spokes {
-                match spoke {
-                    Some(spoke) => self.spokes.push(spoke),
-                    None => self.rejected.count(Reject::BadHeader),
-                }
-            }
-            return;
-        }
-        // Of other datagrams on the network none begins with the category.
-        if form != Form::Blocks && datagram.bytes.first() != Some(&cat240::CATEGORY) {
-            return;
-        }
-        let editions = Editions::default();
-        for record in records(&editions, &datagram.bytes, datagram.offset) {
-            match record {
-                Ok(record) => self.take_record(&record, datagram.time_ns),
-                Err(Unused::Category { .. }) => self.rejected.count(Reject::OtherCategory),
-                Err(Unused::Unread { .. }) => self.unread += 1,
-            }
-        }
-    }
-
-    fn take_record(&mut self, record: &Record<'_>, received_ns: Option<u64>) {
-        if record.edition.category != cat240::CATEGORY {
-            self.rejected.count(Reject::OtherCategory);
-            return;
-        }
-        let Some(video) = VideoRecord::read(record) else {
-            self.rejected.count(Reject::NotATarget); // a summary
-            return;
-        };
-        let time_ns = received_ns.or_else(|| video.time_of_day.map(|time| self.clock.time_ns(time).max(0) as u64));
-        match spokes_of_records::spoke(&video, time_ns) {
-            Some(spoke) => self.spokes.push(spoke),
-            None => self.rejected.count(Reject::LengthMismatch),
-        }
-    }
-}
-
 /// Leaves out what comes before the first north, so that no dwell of the schedule is missing at the beginning, and counts on from there;
 /// how many spokes that were. A recording that never passes north stays as it is.
 fn begin_at_north(placed: &mut Vec<(u64, Spoke)>, dwells_per_scan: u32) -> u64 {
@@ -246,13 +167,20 @@ fn begin_at_north(placed: &mut Vec<(u64, Spoke)>, dwells_per_scan: u32) -> u64 {
     before as u64
 }
 
-/// How many spokes a turn has by the median of their spacings.
-fn spokes_per_turn(spokes: &[Spoke]) -> Option<f64> {
+/// The number of spokes in a turn, if it is another one than the expected.
+pub(crate) fn other_count(found: f64, expected: u32) -> Option<u32> {
+    let is_other = (found / f64::from(expected) - 1.0).abs() > SPACING_TOLERANCE;
+    is_other.then(|| found.round() as u32)
+}
+
+/// How many spokes a turn has by the median of the spacings of their azimuths.
+pub(crate) fn spokes_per_turn(azimuths_rad: impl Iterator<Item = f64> + Clone) -> Option<f64> {
     let turn = std::f64::consts::TAU;
-    let mut spacings: Vec<f64> = spokes
-        .windows(2)
+    let mut spacings: Vec<f64> = azimuths_rad
+        .clone()
+        .zip(azimuths_rad.skip(1))
         .take(SPACINGS)
-        .map(|pair| (pair[1].azimuth_rad - pair[0].azimuth_rad).rem_euclid(turn))
+        .map(|(azimuth_rad, next_rad)| (next_rad - azimuth_rad).rem_euclid(turn))
         .filter(|&spacing| spacing > 0.0)
         .collect();
     if spacings.is_empty() {

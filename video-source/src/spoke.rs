@@ -1,5 +1,7 @@
 //! A spoke: the cells of one azimuth, as a radar sends them.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use crate::cells::Packing;
 
 /// Cells of one azimuth.
@@ -26,6 +28,13 @@ pub struct Spoke {
 }
 
 impl Spoke {
+    /// What tells it from all others: a second one with the same azimuth and the same cells is a copy, as from a second line.
+    pub fn fingerprint(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        (self.azimuth_rad.to_bits(), &self.octets).hash(&mut hasher);
+        hasher.finish()
+    }
+
     /// Writes the amplitude of each cell.
     ///
     /// # Panics

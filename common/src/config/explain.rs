@@ -28,10 +28,34 @@ const UNITS: [(&str, &str); 12] = [
 
 /// `sites` as TOML, complete, with a line of explanation above each table and key.
 pub fn explained(sites: &Sites) -> String {
+    explain(sites, |_| true)
+}
+
+/// The same of one key with its range, or of one table; none if there is no such key.
+pub fn explained_key(sites: &Sites, key: &str) -> Option<String> {
+    let in_table = format!("{key}.");
+    let is_asked = |path: &str| path == key || path.starts_with(&in_table) || path.strip_suffix("[]") == Some(key);
+    let (keys, mut text) = (keys(), explain(sites, is_asked));
+    if text.is_empty() {
+        // A key without a default is in no configuration that does not set it.
+        let about = about(&keys, key)?;
+        text = format!("# {}\n# not set\n", about.text);
+    }
+    if let Some(about) = about(&keys, key).filter(|about| !about.kind.is_empty()) {
+        text.insert_str(0, &format!("# `{key}`: {}\n", range_of(key, about)));
+    }
+    Some(text)
+}
+
+/// The lines of tables and keys whose path is `wanted`, and explanations above them.
+fn explain(sites: &Sites, wanted: impl Fn(&str) -> bool) -> String {
     let keys = keys();
     let (mut text, mut table) = (String::new(), String::new());
     for line in sites.to_toml().lines() {
         let path = path_of(line, &mut table).unwrap_or_default();
+        if !wanted(&path) {
+            continue;
+        }
         // Of several sites, each has its own tables and the keys of `[site]`.
         let of_site = path.strip_prefix("site[].");
         let own = of_site.map(|key| format!("site.{key}"));
@@ -149,6 +173,23 @@ mod tests {
         }
         let read = super::super::parse(std::path::Path::new("explained"), &text, &[]).expect("a configuration");
         assert_eq!(read, config);
+    }
+
+    #[test]
+    fn one_key_or_one_table_is_explained() {
+        let sites = Sites::one(ChainConfig::default());
+        let text = explained_key(&sites, "tracker.snr_db").expect("a key");
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!((lines.len(), lines[0]), (3, "# `tracker.snr_db`: a number from 0 to 60"), "{text}");
+        assert!(lines[1].starts_with("# ") && lines[2].starts_with("snr_db = "), "{text}");
+        let table = explained_key(&sites, "ipc").expect("a table");
+        assert!(table.contains("[ipc]\n") && table.contains("\nprefix = ") && !table.contains("[run]"), "{table}");
+        let unset = explained_key(&sites, "site.sac").expect("a key without a default");
+        assert!(unset.contains("not set"), "{unset}");
+        let of_output = explained_key(&sites, "outputs.asterix.to").expect("a key of an output that is not configured");
+        assert!(of_output.contains("`outputs.asterix.to`") && of_output.contains("not set"), "{of_output}");
+        assert_eq!(explained_key(&sites, "tracker.nonsense"), None);
+        assert_eq!(explained_key(&sites, "outputs.asterix.nonsense"), None);
     }
 
     #[test]

@@ -35,7 +35,7 @@ mod video_source;
 pub use bank::{BandwidthConfig, BankConfig, OutputRule};
 pub use budget::{Budget, BudgetConfig};
 pub use display::DisplayConfig;
-pub use explain::{explained, reference};
+pub use explain::{explained, explained_key, reference};
 pub use extractor::{Cfar, ExtractorConfig};
 pub use fusion::FusionConfig;
 pub use ipc::IpcConfig;
@@ -84,7 +84,7 @@ pub struct ChainConfig {
     pub recorder: RecorderConfig,
     /// `[plot_source]`: recordings of real radars.
     pub plot_source: PlotSourceConfig,
-    /// `[video_source]`: recordings of radar video; `[radar]` says how many dwells a turn has.
+    /// `[video_source]`: radar video; `[radar]` says how many dwells a turn has.
     pub video_source: VideoSourceConfig,
     /// `[fusion]`: tracks of several sites to one set of system tracks.
     pub fusion: FusionConfig,
@@ -123,6 +123,7 @@ impl ChainConfig {
         self.tracker.check()?;
         self.recorder.check()?;
         self.plot_source.check()?;
+        self.video_source.check()?;
         self.fusion.check()?;
         self.link.check()?;
         if self.run.source == Source::Link || !self.link.send.is_empty() {

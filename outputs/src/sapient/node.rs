@@ -293,6 +293,7 @@ impl Format for EdgeNode {
 mod tests {
     use super::super::messages::{Command, RegistrationAck, UNITS_MILLISECONDS};
     use super::*;
+    use crate::origins::Origins;
     use crate::targets::tests::{NOON_NS, site, targets, track};
     use common::tracks::{CONFIRMED, Track};
 
@@ -310,8 +311,14 @@ mod tests {
 
     fn tracks(node: &mut EdgeNode, tracks: &[Track]) -> Vec<Content> {
         let (site, targets) = (site(), targets(tracks));
-        let update =
-            Update { site: &site, time_ns: NOON_NS, ends_scan: false, targets: &targets, latency_ns: 2_500_000 };
+        let update = Update {
+            site: &site,
+            time_ns: NOON_NS,
+            ends_scan: false,
+            targets: &targets,
+            origins: &Origins::default(),
+            latency_ns: 2_500_000,
+        };
         let mut frames = Frames::default();
         node.tracks(&update, &mut frames);
         contents(&frames)

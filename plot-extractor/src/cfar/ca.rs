@@ -74,8 +74,8 @@ impl CaCfar {
             edges[rows.half()..ranges - rows.half()].fill(edge);
         }
         Self {
-            block_multipliers: rows.in_block(&multipliers),
-            edge_multipliers: rows.in_block(&edges),
+            block_multipliers: rows.in_block(&multipliers, f32::INFINITY),
+            edge_multipliers: rows.in_block(&edges, f32::INFINITY),
             rows,
             multipliers,
             edge,
@@ -85,17 +85,21 @@ impl CaCfar {
     }
 
     /// Writes the power of every cell and appends the hits, by ascending cell. Returns
-    /// false, with no hits, if an amplitude is NaN, infinite or negative.
+    /// false, with no hits and powers without meaning, if an amplitude is NaN, infinite or negative.
     ///
     /// # Panics
     /// If `amplitudes` is not whole rows, or `powers` of another length.
     pub fn detect(&mut self, amplitudes: &[f32], powers: &mut [f32], hits: &mut Vec<Hit>) -> bool {
-        if !square(amplitudes, powers) {
-            return false;
-        }
+        assert_eq!(amplitudes.len(), powers.len(), "one power per amplitude");
+        let before = hits.len();
         let (ranges, guard, reference, stride) =
             (self.rows.ranges, self.rows.guard, self.rows.reference, self.rows.stride());
-        for (block, rows) in powers.chunks(BLOCK_ROWS * ranges).enumerate() {
+        let blocks = amplitudes.chunks(BLOCK_ROWS * ranges).zip(powers.chunks_mut(BLOCK_ROWS * ranges));
+        for (block, (amplitudes, rows)) in blocks.enumerate() {
+            if !square(amplitudes, rows) {
+                hits.truncate(before);
+                return false;
+            }
             let windows = self.rows.sum(rows);
             let length = windows.powers.len();
             let (thresholds, edges) = (&self.block_multipliers[..length], &self.edge_multipliers[..length]);

@@ -14,8 +14,9 @@ use super::{Hit, square};
 pub struct GoSoCfar {
     rows: Rows,
     greater: bool,
-    /// α/n₁ and α/n₂ for a block of rows, n the cells of the windows before and after a cell. Infinite for a window without
-    /// cells: times its sum it is NaN, which neither `min` nor `max` takes.
+    /// α/n₁ and α/n₂ for a block of rows, n the cells of the windows before and after a cell. A window
+    /// without cells decides nothing: its multiplier is 0 in GO-CFAR. In SO-CFAR, and where both are empty, it is infinite, which
+    /// times the sum 0 is NaN: no power exceeds it, and neither `max` nor `min` takes it.
     lagging: Vec<f32>,
     leading: Vec<f32>,
     /// Threshold over estimate of unit mean, by range cell.
@@ -46,11 +47,22 @@ impl GoSoCfar {
                 (factor, mean) = (noise.factor(pfa), noise.mean());
                 of = Some((before as usize, after as usize));
             }
-            lagging.push((factor / mean / before as f64) as f32);
-            leading.push((factor / mean / after as f64) as f32);
+            let multiplier = |cells: usize| match (cells, before + after) {
+                (0, 1..) if greater => 0.0,
+                (0, _) => f32::INFINITY,
+                _ => (factor / mean / cells as f64) as f32,
+            };
+            lagging.push(multiplier(before));
+            leading.push(multiplier(after));
             factors.push(factor as f32);
         }
-        Self { lagging: rows.in_block(&lagging), leading: rows.in_block(&leading), rows, greater, factors }
+        Self {
+            lagging: rows.in_block(&lagging, f32::INFINITY),
+            leading: rows.in_block(&leading, f32::INFINITY),
+            rows,
+            greater,
+            factors,
+        }
     }
 
     /// As [`super::Detector::detect`].
@@ -58,11 +70,15 @@ impl GoSoCfar {
     /// # Panics
     /// If `amplitudes` is not whole rows, or `powers` of another length.
     pub fn detect(&mut self, amplitudes: &[f32], powers: &mut [f32], hits: &mut Vec<Hit>) -> bool {
-        if !square(amplitudes, powers) {
-            return false;
-        }
+        assert_eq!(amplitudes.len(), powers.len(), "one power per amplitude");
+        let before = hits.len();
         let (ranges, stride) = (self.rows.ranges, self.rows.stride());
-        for (block, rows) in powers.chunks(BLOCK_ROWS * ranges).enumerate() {
+        let blocks = amplitudes.chunks(BLOCK_ROWS * ranges).zip(powers.chunks_mut(BLOCK_ROWS * ranges));
+        for (block, (amplitudes, rows)) in blocks.enumerate() {
+            if !square(amplitudes, rows) {
+                hits.truncate(before);
+                return false;
+            }
             let windows = self.rows.sum(rows);
             let factors = (&self.lagging[..windows.powers.len()], &self.leading[..windows.powers.len()]);
             if !any_over(windows.powers, (windows.lagging, windows.leading), factors, self.greater) {
@@ -71,10 +87,12 @@ impl GoSoCfar {
             for row in 0..rows.len() / ranges {
                 for (range, &factor) in self.factors.iter().enumerate() {
                     let cell = row * stride + range;
-                    let (lagging, leading) =
-                        (factors.0[cell] * windows.lagging[cell], factors.1[cell] * windows.leading[cell]);
+                    let (power, lagging, leading) = (
+                        windows.powers[cell],
+                        factors.0[cell] * windows.lagging[cell],
+                        factors.1[cell] * windows.leading[cell],
+                    );
                     let threshold = if self.greater { lagging.max(leading) } else { lagging.min(leading) };
-                    let power = windows.powers[cell];
                     if power > threshold {
                         let cell = ((block * BLOCK_ROWS + row) * ranges + range) as u32;
                         hits.push(Hit { cell, power, noise: threshold / factor });
@@ -86,20 +104,21 @@ impl GoSoCfar {
     }
 }
 
-/// Whether any power exceeds its threshold.
+/// Whether any power exceeds its threshold: both that of the one window and that of the other (GO), or one of them (SO). One that is
+/// NaN decides nothing.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
 fn any_over(powers: &[f32], sums: (&[f32], &[f32]), factors: (&[f32], &[f32]), greater: bool) -> bool {
-    let mut over = 0_u32;
+    if greater { any(powers, sums, factors, |a, b| a & b) } else { any(powers, sums, factors, |a, b| a | b) }
+}
+
+#[expect(clippy::inline_always, reason = "compiled for the instructions of its caller")]
+#[inline(always)]
+fn any(powers: &[f32], sums: (&[f32], &[f32]), factors: (&[f32], &[f32]), is_over: impl Fn(u32, u32) -> u32) -> bool {
+    let mut over = 0;
     let lagging = sums.0.iter().zip(factors.0);
     let leading = sums.1.iter().zip(factors.1);
-    if greater {
-        for ((&power, (&before, &a)), (&after, &b)) in powers.iter().zip(lagging).zip(leading) {
-            over |= u32::from(power > (a * before).max(b * after));
-        }
-    } else {
-        for ((&power, (&before, &a)), (&after, &b)) in powers.iter().zip(lagging).zip(leading) {
-            over |= u32::from(power > (a * before).min(b * after));
-        }
+    for ((&power, (&before, &a)), (&after, &b)) in powers.iter().zip(lagging).zip(leading) {
+        over |= is_over(u32::from(power > a * before), u32::from(power > b * after));
     }
     over > 0
 }

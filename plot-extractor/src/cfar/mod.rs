@@ -66,7 +66,7 @@ impl Detector {
     }
 
     /// Writes the power of every cell of the dwell number `dwell` of a scan and appends the hits, by ascending cell. Returns
-    /// false, with no hits, if an amplitude is NaN, infinite or negative.
+    /// false, with no hits and powers without meaning, if an amplitude is NaN, infinite or negative.
     ///
     /// # Panics
     /// If `amplitudes` is not whole rows, or `powers` of another length.

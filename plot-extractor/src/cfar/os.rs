@@ -1,29 +1,35 @@
 //! OS-CFAR along range: the cell of rank k among the N reference cells (C11).
 //!
-//! No cell is sorted. q > α x₍k₎ holds where at least k of the reference cells are below q/α, and to count them is N comparisons.
-//! A hit has at most N − k cells that are not below, so three quarters of the near window tell of nearly every cell of noise that it is none: they
-//! are counted on vectors of neighbouring cells, all others only for the few cells that are left. Only for hits is x₍k₎ itself looked for.
+//! No cell is sorted. q > α x₍k₎ holds where at most N − k of the reference cells reach q/α, and they are counted for vectors of
+//! neighbouring cells together:
+//!
+//! ```text
+//! for each group of cells:
+//!     reached = how many of the near half of the reference cells reach q/α, cell by cell
+//!     if N − k or fewer in any cell:                   hardly ever in noise
+//!         reached += the same of the far half
+//!         cells with N − k or fewer are hits
+//! ```
+//!
+//! Only for hits is x₍k₎ itself looked for.
 
 use common::amplitude::{NoiseEstimate, rank};
 
-use super::rows::{BLOCK_ROWS, Rows, windows_of};
+use super::rows::{BLOCK_ROWS, GROUP, Rows, windows_of};
 use super::{Hit, square};
 
 /// OS-CFAR detector for dwells whose rows are range profiles of one length.
 #[derive(Debug, Clone)]
 pub struct OsCfar {
     rows: Rows,
-    /// 1/α for a block of rows, α by the reference cells that exist; 0 without any.
+    /// 1/α for a block of rows, α by the reference cells that exist.
     inverses: Vec<f32>,
-    /// Cells below q/α that make a hit, for a block of rows: k, and the zeros beyond the ends of the row, which always are.
-    required: Vec<u32>,
+    /// With so many cells that reach q/α there is no hit, for a block of rows: N − k + 1; 0 between rows and without reference cells.
+    too_many: Vec<u32>,
     /// k and E g before division by it, by range cell.
     ranks: Vec<(usize, f32)>,
-    /// q/α, and how many of the first reference cells are below it.
-    limits: Vec<f32>,
-    counts: Vec<u32>,
-    /// Places in a block of cells that may be hits.
-    left: Vec<u32>,
+    /// Hits by their place in a block.
+    found: Vec<u32>,
     reference_powers: Vec<f32>,
 }
 
@@ -31,7 +37,7 @@ impl OsCfar {
     /// A detector over rows of `ranges` cells with `guard` and `reference` cells on each side.
     pub fn new(ranges: usize, guard: usize, reference: usize, pfa: f64) -> Self {
         let rows = Rows::new(ranges, guard, reference);
-        let (mut inverses, mut required, mut ranks) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut inverses, mut too_many, mut ranks) = (Vec::new(), Vec::new(), Vec::new());
         let (mut of, mut inverse, mut mean) = (usize::MAX, 0.0, 1.0);
         for cell in 0..ranges {
             let (before, after) = windows_of(cell, ranges, guard, reference);
@@ -42,25 +48,17 @@ impl OsCfar {
                     let noise = NoiseEstimate::Ordered(cells as u32);
                     mean = noise.mean();
                     inverse = mean / noise.factor(pfa);
-                } else {
-                    inverse = 0.0; // no power of a cell is below 0
                 }
             }
             let k = rank(cells as u32) as usize;
             inverses.push(inverse as f32);
-            required.push((k + 2 * reference - cells).max(1) as u32);
+            too_many.push(if cells == 0 { 0 } else { (cells - k + 1) as u32 });
             ranks.push((k, mean as f32));
         }
-        let mut block_required = vec![u32::MAX; BLOCK_ROWS * rows.stride()];
-        for row in block_required.chunks_mut(rows.stride()) {
-            row[..ranges].copy_from_slice(&required);
-        }
         Self {
-            inverses: rows.in_block(&inverses),
-            required: block_required,
-            limits: vec![0.0; BLOCK_ROWS * rows.stride()],
-            counts: vec![0; BLOCK_ROWS * rows.stride()],
-            left: Vec::with_capacity(BLOCK_ROWS * rows.stride()),
+            inverses: rows.in_block(&inverses, f32::INFINITY),
+            too_many: rows.in_block(&too_many, 0),
+            found: Vec::with_capacity(BLOCK_ROWS * ranges),
             rows,
             ranks,
             reference_powers: Vec::with_capacity(2 * reference),
@@ -72,33 +70,25 @@ impl OsCfar {
     /// # Panics
     /// If `amplitudes` is not whole rows, or `powers` of another length.
     pub fn detect(&mut self, amplitudes: &[f32], powers: &mut [f32], hits: &mut Vec<Hit>) -> bool {
-        if !square(amplitudes, powers) {
-            return false;
-        }
+        assert_eq!(amplitudes.len(), powers.len(), "one power per amplitude");
+        let before = hits.len();
         let (ranges, stride, half) = (self.rows.ranges, self.rows.stride(), self.rows.half());
         let (guard, reference) = (self.rows.guard, self.rows.reference);
-        let first = reference * 3 / 4;
-        let others = (2 * reference - first) as u32;
-        for (block, rows) in powers.chunks(BLOCK_ROWS * ranges).enumerate() {
+        let blocks = amplitudes.chunks(BLOCK_ROWS * ranges).zip(powers.chunks_mut(BLOCK_ROWS * ranges));
+        for (block, (amplitudes, rows)) in blocks.enumerate() {
+            if !square(amplitudes, rows) {
+                hits.truncate(before);
+                return false;
+            }
             let (padded, cells) = self.rows.pad(rows);
-            let (limits, counts) = (&mut self.limits[..cells], &mut self.counts[..cells]);
-            scale(&padded[half..], &self.inverses, limits);
-            count_below(padded, first, limits, counts);
-            self.left.clear();
-            note_left(counts, &self.required, others, &mut self.left);
-            for &place in &self.left {
+            self.found.clear();
+            let thresholds = (&self.inverses[..], &self.too_many[..]);
+            find(padded, cells, (guard, reference), thresholds, &mut self.found);
+            for &place in &self.found {
                 let place = place as usize;
                 let (row, range) = (place / stride, place % stride);
-                let Some(&(k, mean)) = self.ranks.get(range) else { continue };
-                let required = self.required[place];
-                let limit = limits[place];
-                let below = |powers: &[f32]| powers.iter().map(|&power| u32::from(power < limit)).sum::<u32>();
+                let (k, mean) = self.ranks[range];
                 let at = half + place;
-                let lagging = below(&padded[place + first..place + reference]);
-                let leading = below(&padded[at + guard + 1..][..reference]);
-                if counts[place] + lagging + leading < required {
-                    continue;
-                }
                 let (before, after) = windows_of(range, ranges, guard, reference);
                 self.reference_powers.clear();
                 self.reference_powers.extend(&padded[at - guard - before..at - guard]);
@@ -113,58 +103,78 @@ impl OsCfar {
     }
 }
 
-/// Writes power over α.
+/// Appends the places of the hits among `cells` cells of a block.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
-fn scale(powers: &[f32], inverses: &[f32], limits: &mut [f32]) {
-    for (limit, (&power, &inverse)) in limits.iter_mut().zip(powers.iter().zip(inverses)) {
-        *limit = power * inverse;
+fn find(
+    padded: &[f32],
+    cells: usize,
+    (guard, reference): (usize, usize),
+    (inverses, too_many): (&[f32], &[u32]),
+    found: &mut Vec<u32>,
+) {
+    let near = reference.div_ceil(2);
+    let half = guard + reference;
+    for place in (0..cells).step_by(GROUP) {
+        let powers = group(padded, half + place);
+        let (inverses, too_many) = (group(inverses, place), group(too_many, place));
+        let mut limits = [0.0; GROUP];
+        for lane in 0..GROUP {
+            limits[lane] = powers[lane] * inverses[lane];
+        }
+        // Reference cells before the group's cells, and after them.
+        let lagging = &padded[place..];
+        let leading = &padded[half + place + guard + 1..];
+        let mut reached = [0; GROUP];
+        count(&lagging[reference - near..], near, &limits, &mut reached);
+        count(leading, near, &limits, &mut reached);
+        if !any_below(&reached, too_many) {
+            continue;
+        }
+        count(lagging, reference - near, &limits, &mut reached);
+        count(&leading[near..], reference - near, &limits, &mut reached);
+        let lanes = (0..GROUP.min(cells - place)).filter(|&lane| reached[lane] < too_many[lane]);
+        found.extend(lanes.map(|lane| (place + lane) as u32));
     }
 }
 
-/// Counts, for each cell, those of the first `offsets` reference cells before it that are below its limit; `padded` begins with the first of
-/// them. Four at a time, so that the counts are loaded and stored a quarter as often.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
-fn count_below(padded: &[f32], offsets: usize, limits: &[f32], counts: &mut [u32]) {
-    let cells = counts.len();
-    let limits = &limits[..cells];
-    counts.fill(0);
-    let mut offset = 0;
-    while offset + 4 <= offsets {
-        let (a, b) = (&padded[offset..][..cells], &padded[offset + 1..][..cells]);
-        let (c, d) = (&padded[offset + 2..][..cells], &padded[offset + 3..][..cells]);
-        for cell in 0..cells {
-            let limit = limits[cell];
-            counts[cell] += u32::from(a[cell] < limit)
-                + u32::from(b[cell] < limit)
-                + u32::from(c[cell] < limit)
-                + u32::from(d[cell] < limit);
+/// The values of a group of cells from `at` on.
+#[expect(clippy::inline_always, reason = "compiled for the instructions of its caller")]
+#[inline(always)]
+fn group<T>(values: &[T], at: usize) -> &[T; GROUP] {
+    values[at..].first_chunk().expect("room for a whole group after the last cell")
+}
+
+/// Adds to each lane how many of its `offsets` cells reach its limit; those of lane 0 begin `powers`, those of each next one a
+/// cell later. Four at a time, so that limits and sums are loaded a quarter as often. No sum can overflow: development builds, too,
+/// need not look, which would keep them from vectors.
+#[expect(clippy::inline_always, reason = "compiled for the instructions of its caller")]
+#[inline(always)]
+fn count(powers: &[f32], offsets: usize, limits: &[f32; GROUP], reached: &mut [u32; GROUP]) {
+    let at = |offset: usize| group(powers, offset);
+    let rest = offsets - offsets % 4;
+    for offset in (0..rest).step_by(4) {
+        let (a, b, c, d) = (at(offset), at(offset + 1), at(offset + 2), at(offset + 3));
+        for lane in 0..GROUP {
+            let reaches = |powers: &[f32; GROUP]| u32::from(powers[lane] >= limits[lane]);
+            let four = reaches(a).wrapping_add(reaches(b)).wrapping_add(reaches(c)).wrapping_add(reaches(d));
+            reached[lane] = reached[lane].wrapping_add(four);
         }
-        offset += 4;
     }
-    while offset < offsets {
-        for (count, (&power, &limit)) in counts.iter_mut().zip(padded[offset..].iter().zip(limits)) {
-            *count += u32::from(power < limit);
+    for offset in rest..offsets {
+        let powers = at(offset);
+        for lane in 0..GROUP {
+            reached[lane] = reached[lane].wrapping_add(u32::from(powers[lane] >= limits[lane]));
         }
-        offset += 1;
     }
 }
 
-/// Cells looked at together for any that may be a hit.
-const GROUP: usize = 32;
-
-/// Appends the places of cells whose count may reach what is required with `others` more cells.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
-fn note_left(counts: &[u32], required: &[u32], others: u32, left: &mut Vec<u32>) {
-    for (group, (counts, required)) in counts.chunks(GROUP).zip(required.chunks(GROUP)).enumerate() {
-        let mut any = 0_u32;
-        for (&count, &required) in counts.iter().zip(required) {
-            any |= u32::from(count + others >= required);
-        }
-        if any > 0 {
-            let places = (group * GROUP) as u32..;
-            let may =
-                places.zip(counts.iter().zip(required)).filter(|(_, (count, required))| *count + others >= **required);
-            left.extend(may.map(|(place, _)| place));
-        }
+/// Whether any cell of a group may be a hit.
+#[expect(clippy::inline_always, reason = "compiled for the instructions of its caller")]
+#[inline(always)]
+fn any_below(reached: &[u32; GROUP], too_many: &[u32; GROUP]) -> bool {
+    let mut any = 0;
+    for lane in 0..GROUP {
+        any |= u32::from(reached[lane] < too_many[lane]);
     }
+    any > 0
 }

@@ -2,6 +2,8 @@
 
 /// Rows worked on together: their padded powers stay in the first-level cache.
 pub(super) const BLOCK_ROWS: usize = 8;
+/// Cells that may be read together from any cell of a block on.
+pub(super) const GROUP: usize = 32;
 
 /// Rows of one length, in blocks.
 #[derive(Debug, Clone)]
@@ -12,8 +14,7 @@ pub(super) struct Rows {
     /// Powers of a block: `half` zeros, then each row followed by `half` zeros.
     padded: Vec<f32>,
     window: Vec<f32>,
-    doubled: Vec<f32>,
-    spare: Vec<f32>,
+    spare: [Vec<f32>; 2],
 }
 
 /// A block of rows, [`Rows::stride`] apart, and the sums of the windows before and after each cell.
@@ -27,16 +28,8 @@ impl Rows {
     pub(super) fn new(ranges: usize, guard: usize, reference: usize) -> Self {
         let half = guard + reference;
         let length = half + BLOCK_ROWS * (ranges + half);
-        let zeros = vec![0.0; length + half + guard + 1];
-        Self {
-            ranges,
-            guard,
-            reference,
-            padded: zeros.clone(),
-            window: zeros.clone(),
-            doubled: zeros.clone(),
-            spare: zeros,
-        }
+        let zeros = vec![0.0; length + half + guard + 1 + GROUP];
+        Self { ranges, guard, reference, padded: zeros.clone(), window: zeros.clone(), spare: [zeros.clone(), zeros] }
     }
 
     /// Guard and reference cells of one side.
@@ -55,10 +48,10 @@ impl Rows {
         before + after
     }
 
-    /// Values by range cell for a block of rows; infinite for the zeros between them.
-    pub(super) fn in_block(&self, of_row: &[f32]) -> Vec<f32> {
-        let mut values = vec![f32::INFINITY; BLOCK_ROWS * self.stride()];
-        for row in values.chunks_mut(self.stride()) {
+    /// Values by range cell for a block of rows and a group more, `between` for the zeros between them.
+    pub(super) fn in_block<T: Copy>(&self, of_row: &[T], between: T) -> Vec<T> {
+        let mut values = vec![between; BLOCK_ROWS * self.stride() + GROUP];
+        for row in values.chunks_exact_mut(self.stride()).take(BLOCK_ROWS) {
             row[..self.ranges].copy_from_slice(of_row);
         }
         values
@@ -81,8 +74,7 @@ impl Rows {
         let (_, cells) = self.pad(rows);
         let half = self.half();
         let leading = half + self.guard + 1;
-        let work = Spare { doubled: &mut self.doubled, spare: &mut self.spare };
-        window_sums(&self.padded, self.reference, &mut self.window, work, half + cells + leading);
+        window_sums(&self.padded[..half + cells + leading], self.reference, &mut self.window, &mut self.spare);
         Windows {
             powers: &self.padded[half..half + cells],
             lagging: &self.window[..cells],
@@ -98,44 +90,61 @@ pub(super) fn windows_of(cell: usize, ranges: usize, guard: usize, reference: us
     (before, after)
 }
 
-/// Scratch of [`window_sums`].
-struct Spare<'a> {
-    doubled: &'a mut [f32],
-    spare: &'a mut [f32],
-}
-
-/// `window[i]` = Σ `values[i .. i + cells]`, for i < `length − cells`; sums of powers of two
-/// are built by doubling: s₂ᵢ = sᵢ + sᵢ₊… All terms are positive, so f32 loses at most a few
-/// units in the last place, which running sums beside a strong target would not.
+/// `window[i]` = Σ `values[i .. i + cells]` wherever all of them exist; sums of powers of two are built by doubling, s₂ᵢ = sᵢ + sᵢ₊…,
+/// twice in one pass where it can be. All terms are positive, so f32 loses at most a few units in the last place, which running
+/// sums beside a strong target would not.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+sse4.1"))]
-fn window_sums(values: &[f32], cells: usize, window: &mut [f32], work: Spare<'_>, length: usize) {
-    let length = length.min(values.len()).min(window.len());
-    let (mut sums, mut next) = (work.doubled, work.spare);
-    let window = &mut window[..length];
-    sums[..length].copy_from_slice(&values[..length]);
-    let (mut rest, mut width, mut covered) = (cells, 1, 0);
+fn window_sums(values: &[f32], cells: usize, window: &mut [f32], [sums, next]: &mut [Vec<f32>; 2]) {
+    let window = &mut window[..values.len() + 1 - cells];
+    let (mut rest, mut width, mut covered, mut length) = (cells, 1, 0, values.len());
     loop {
+        let source = if width == 1 { values } else { &sums[..length] };
         if rest & 1 == 1 {
-            let part = &sums[covered..length];
-            if covered == 0 {
-                window.copy_from_slice(part);
-            } else {
-                for (window, &part) in window.iter_mut().zip(part) {
-                    *window += part;
-                }
-            }
+            add(&source[covered..], covered == 0, window);
             covered += width;
         }
-        rest >>= 1;
+        let factor = if rest & 0b110 == 0b100 { 4 } else { 2 };
+        rest /= factor;
         if rest == 0 {
             return;
         }
-        let (near, far) = (&sums[..length - width], &sums[width..length]);
-        for ((next, &near), &far) in next.iter_mut().zip(near).zip(far) {
-            *next = near + far;
+        if rest == 1 && covered == 0 {
+            return double(source, width, factor, window);
         }
-        next[length - width..length].copy_from_slice(&sums[length - width..length]);
-        std::mem::swap(&mut sums, &mut next);
-        width *= 2;
+        length -= (factor - 1) * width;
+        double(source, width, factor, &mut next[..length]);
+        std::mem::swap(sums, next);
+        width *= factor;
+    }
+}
+
+/// Adds a part of each window, the first of which begins it.
+#[expect(clippy::inline_always, reason = "compiled for the instructions of its caller")]
+#[inline(always)]
+fn add(parts: &[f32], is_first: bool, window: &mut [f32]) {
+    if is_first {
+        window.copy_from_slice(&parts[..window.len()]);
+    } else {
+        for (window, &part) in window.iter_mut().zip(parts) {
+            *window += part;
+        }
+    }
+}
+
+/// Sums of `width` values to sums of twice as many or, where `factor` is 4, twice that.
+#[expect(clippy::inline_always, reason = "compiled for the instructions of its caller")]
+#[inline(always)]
+fn double(sums: &[f32], width: usize, factor: usize, doubled: &mut [f32]) {
+    let part = |index: usize| &sums[index * width..][..doubled.len()];
+    if factor == 2 {
+        let (a, b) = (part(0), part(1));
+        for ((doubled, &a), &b) in doubled.iter_mut().zip(a).zip(b) {
+            *doubled = a + b;
+        }
+    } else {
+        let (a, b, c, d) = (part(0), part(1), part(2), part(3));
+        for ((doubled, (&a, &b)), (&c, &d)) in doubled.iter_mut().zip(a.iter().zip(b)).zip(c.iter().zip(d)) {
+            *doubled = (a + b) + (c + d);
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Datagrams from the network, and to it.
+//! Where datagrams are received and sent.
 
 use std::fmt;
 use std::io;
