@@ -45,23 +45,10 @@ impl Measurement {
     pub fn of_position(after: &Gaussian, before: &Gaussian) -> Option<Self> {
         let weight = |of: &Gaussian| of.position_covariance().try_inverse();
         let (after_y, before_y) = (weight(after)?, weight(before)?);
-        let gain = after_y * after.position() - before_y * before.position();
-        Self::of_gain(after_y - before_y, &gain, &after_y)
-    }
-
-    /// What `after` knows more than `before` of the position, if the plot has brought the information `usual` and the rest is that the
-    /// filter has changed its mind on the motion: `before` counts as much as it must have for `after` to come out.
-    pub fn of_usual_information(after: &Gaussian, before: &Gaussian, usual: &Matrix3<f64>) -> Option<Self> {
-        let after_y = after.position_covariance().try_inverse()?;
-        let gain = after_y * (after.position() - before.position()) + usual * before.position();
-        Self::of_gain(*usual, &gain, &after_y)
-    }
-
-    /// Of ΔY, Δy; `None` where ΔY is negative by more than rounding, measured by the information `scale` of the update.
-    fn of_gain(mut rest: Matrix3<f64>, gain: &Vector3<f64>, scale: &Matrix3<f64>) -> Option<Self> {
+        let mut rest = after_y - before_y;
         let mut own = Matrix3::zeros();
         let mut count = 0;
-        let share = |rest: &Matrix3<f64>, i: usize| rest[(i, i)] / scale[(i, i)];
+        let share = |rest: &Matrix3<f64>, i: usize| rest[(i, i)] / after_y[(i, i)];
         while count < 3 {
             let most = (0..3).fold(0, |best, i| if share(&rest, i) > share(&rest, best) { i } else { best });
             if share(&rest, most) <= ROUNDING {
@@ -77,24 +64,11 @@ impl Measurement {
         }
         let mut squares = own.tr_mul(&own);
         (count..3).for_each(|i| squares[(i, i)] = 1.0);
-        let value = Cholesky::new(squares)?.solve(&own.tr_mul(gain));
+        let gain = after_y * after.position() - before_y * before.position();
+        let value = Cholesky::new(squares)?.solve(&own.tr_mul(&gain));
         let mut root = SMatrix::<f64, STATE, 3>::zeros();
         root.fixed_rows_mut::<3>(0).copy_from(&own);
         Some(Self { root, value, count })
-    }
-
-    /// ΔY of the position.
-    pub fn information(&self) -> Matrix3<f64> {
-        let own = self.root.fixed_rows::<3>(0);
-        own * own.transpose()
-    }
-
-    /// How far it is from the position of an estimate, as χ² with as many degrees as there are numbers.
-    pub fn surprise(&self, estimate: &Gaussian) -> f64 {
-        let own = self.root.fixed_rows::<3>(0).into_owned();
-        let spread = Matrix3::identity() + own.tr_mul(&(estimate.position_covariance() * own));
-        let innovation = self.value - own.tr_mul(&estimate.position());
-        crate::comparison::chi_squared(&innovation, spread)
     }
 
     /// The same of the state `age_s` s later, during which the target may have accelerated with the power density `noise`.

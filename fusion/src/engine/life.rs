@@ -2,7 +2,6 @@
 
 use common::units::seconds_between;
 
-use super::plot_information::Usual;
 use super::{Fusion, Local};
 use crate::gaussian::{Gaussian, Matrix, Vector};
 use crate::motion::Moving;
@@ -25,7 +24,6 @@ impl Fusion {
             alone: 0,
             doubts: 0,
             misfit: 0.0,
-            usual: Usual::default(),
             alive: true,
         };
         let place = if let Some(place) = self.free_locals.pop() {

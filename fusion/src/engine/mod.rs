@@ -24,7 +24,6 @@ mod formations;
 mod life;
 mod manoeuvres;
 mod misaligned;
-mod plot_information;
 mod reports;
 mod twins;
 
@@ -45,7 +44,6 @@ use crate::settings::{Counts, Settings, Site};
 use crate::system::{System, SystemTrack};
 pub(crate) use decision::Decision;
 use misaligned::Alignment;
-use plot_information::Usual;
 use reports::Waiting;
 
 /// The fusion of the tracks of several sites.
@@ -114,8 +112,6 @@ struct Local {
     /// Reports in a row outside the gate of its system track, and the last χ².
     doubts: u32,
     misfit: f64,
-    /// What its updates have brought of late.
-    usual: Usual,
     alive: bool,
 }
 

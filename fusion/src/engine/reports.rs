@@ -5,6 +5,7 @@ use common::units::seconds_between;
 use super::Fusion;
 use crate::comparison::chi_squared;
 use crate::local::Report;
+use crate::measurement::Measurement;
 
 /// A report that waits for the cycle that it belongs to.
 #[derive(Debug)]
@@ -75,9 +76,7 @@ impl Fusion {
             }
             self.compare(place, index);
             let prediction = report.prediction.map(|prediction| frame.to_centre(&prediction, &bias));
-            let usual = &mut self.locals[place as usize].usual;
-            let polar = frame.jacobian(&posterior.position(), &posterior.velocity()).fixed_columns::<3>(0).into_owned();
-            let gained = prediction.and_then(|prediction| usual.measurement(&posterior, &prediction, &polar));
+            let gained = prediction.and_then(|prediction| Measurement::of_position(&posterior, &prediction));
             let (system, of_site) = (&mut self.systems[index as usize], &mut self.sites[site as usize]);
             let (is_shared, state, counts) = (system.contributors.len() > 1, &mut system.state, &mut of_site.counts);
             if is_shared && of_site.alignment.is_off() {
