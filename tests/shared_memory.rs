@@ -59,7 +59,7 @@ fn too_few_open_files_are_refused_and_a_low_limit_is_raised() {
     assert!(text_of(&refused).contains("100 open files are allowed"), "{}", text_of(&refused));
     let raised = limited("-S -n 40", &command, &bench);
     assert_eq!(raised.status.code(), Some(0), "{}", text_of(&raised));
-    let enough = limited("-n 192", &command, &bench);
+    let enough = limited("-n 208", &command, &bench);
     assert_eq!(enough.status.code(), Some(0), "{}", text_of(&enough));
 }
 
