@@ -168,7 +168,7 @@ mod tests {
     use super::*;
     use crate::origins::Origins;
     use crate::targets::Roster;
-    use crate::targets::tests::{NOON_NS, site, targets, track};
+    use crate::targets::tests::{NOON_NS, site, targets, track, update};
     use asterix::block::Blocks;
     use asterix::record::Records;
     use common::config::{ChainConfig, OutputConfig, Source};
@@ -205,7 +205,7 @@ mod tests {
         (targets, ends_scan): (&[Target<'_>], bool),
     ) -> Frames {
         let mut frames = Frames::default();
-        let update = Update { site, time_ns: NOON_NS, ends_scan, targets, origins, latency_ns: 0 };
+        let update = Update { ends_scan, ..update(site, targets, origins) };
         out.tracks(&update, &mut frames);
         frames
     }

@@ -108,19 +108,13 @@ impl Format for CursorOnTarget {
 mod tests {
     use super::*;
     use crate::origins::Origins;
-    use crate::targets::tests::{NOON_NS, site, targets, track};
+    use crate::targets::tests::{NOON_NS, site, targets, track, update};
     use common::tracks::{CONFIRMED, Track};
 
     fn event(config: &OutputConfig, tracks: &[Track]) -> String {
         let (site, targets) = (site(), targets(tracks));
-        let update = Update {
-            site: &site,
-            time_ns: NOON_NS,
-            ends_scan: false,
-            targets: &targets,
-            origins: &Origins::default(),
-            latency_ns: 0,
-        };
+        let origins = Origins::default();
+        let update = update(&site, &targets, &origins);
         let mut frames = Frames::default();
         CursorOnTarget::new(config).tracks(&update, &mut frames);
         String::from_utf8(frames.iter().next().expect("an event").to_vec()).expect("text")

@@ -134,7 +134,7 @@ impl Format for JsonLines {
 mod tests {
     use super::*;
     use crate::origins::Origins;
-    use crate::targets::tests::{NOON_NS, site, targets, track};
+    use crate::targets::tests::{NOON_NS, site, targets, track, update};
     use common::commands::{ACCEPTED, Command, LABEL};
     use common::label::Label;
     use common::tracks::{CONFIRMED, KIND_HOVER};
@@ -152,14 +152,7 @@ mod tests {
         change(&mut tracks[0]);
         let site = site();
         let targets = targets(&tracks);
-        let update = Update {
-            site: &site,
-            time_ns: NOON_NS,
-            ends_scan: false,
-            targets: &targets,
-            origins: &origins,
-            latency_ns: 0,
-        };
+        let update = update(&site, &targets, &origins);
         let mut frames = Frames::default();
         JsonLines::default().tracks(&update, &mut frames);
         let frame = frames.iter().next().expect("a line");

@@ -156,19 +156,13 @@ impl Format for Nmea {
 mod tests {
     use super::*;
     use crate::origins::Origins;
-    use crate::targets::tests::{NOON_NS, site, targets, track};
+    use crate::targets::tests::{NOON_NS, site, targets, track, update};
     use common::tracks::{CONFIRMED, Track};
 
     fn said(nmea: &mut Nmea, tracks: &[Track]) -> Vec<String> {
         let (site, targets) = (site(), targets(tracks));
-        let update = Update {
-            site: &site,
-            time_ns: NOON_NS,
-            ends_scan: false,
-            targets: &targets,
-            origins: &Origins::default(),
-            latency_ns: 0,
-        };
+        let origins = Origins::default();
+        let update = update(&site, &targets, &origins);
         let mut frames = Frames::default();
         nmea.tracks(&update, &mut frames);
         frames.iter().map(|frame| String::from_utf8(frame.to_vec()).expect("text")).collect()

@@ -230,6 +230,8 @@ impl Roster {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::format::Update;
+    use crate::origins::Origins;
 
     /// Noon of a day, ns.
     pub(crate) const NOON_NS: u64 = 20_000 * common::units::DAY_NS + common::units::DAY_NS / 2;
@@ -239,6 +241,11 @@ pub(crate) mod tests {
         chain.site.sac = Some(25);
         chain.site.position = Some(Position { latitude_deg: 50.45, longitude_deg: 30.52, height_m: 120.0 });
         Site::new(&chain, 7, true)
+    }
+
+    /// What is sent of these targets at noon.
+    pub(crate) fn update<'a>(site: &'a Site, targets: &'a [Target<'a>], origins: &'a Origins) -> Update<'a> {
+        Update { site, time_ns: NOON_NS, ends_scan: false, targets, origins, latency_ns: 0 }
     }
 
     pub(crate) fn track(id: u64, time_ns: u64, state_code: u32) -> Track {

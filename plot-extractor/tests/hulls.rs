@@ -1,18 +1,15 @@
 //! Targets longer than a cell: each gives one plot a turn, in its middle, with an error that is as stated.
 
-use std::convert::Infallible;
-use std::f64::consts::TAU;
+mod marine;
 
 use common::config::ChainConfig;
-use common::dwell::DwellHeader;
-use common::message::{END_OF_SCAN, END_OF_SECTOR};
 use common::plots::Plot;
 use common::random::{Purpose, generator};
+use marine::{DWELLS, take};
 use plot_extractor::PlotExtractor;
 use rand::RngExt;
 
-/// Dwells in a turn and range cells of a marine radar.
-const DWELLS: u32 = 360;
+/// Range cells of a marine radar.
 const RANGES: u32 = 300;
 const RANGE_STEP_M: f64 = 7.5;
 
@@ -51,32 +48,7 @@ fn plots(hull: Hull, scans: u32, seed: u64) -> Vec<Plot> {
                     (power * -f64::ln(1.0 - rng.random::<f64>())).sqrt() as f32
                 })
                 .collect();
-            let ends = |dwells: u32| (dwell + 1) % dwells == 0;
-            let header = DwellHeader {
-                seq: u64::from(scan * DWELLS + dwell),
-                time_ns: u64::from(scan * DWELLS + dwell + 1) * 5_000_000,
-                azimuth_rad: (f64::from(dwell) + 0.5) * TAU / f64::from(DWELLS),
-                azimuth_step_rad: TAU / f64::from(DWELLS),
-                elevation_step_rad: 0.1,
-                range_rate_step_mps: 1.0,
-                range_step_m: RANGE_STEP_M,
-                scan_period_s: 1.8,
-                scan,
-                dwell,
-                dwells_per_scan: DWELLS,
-                sector: dwell / 45,
-                sectors_per_scan: 8,
-                elevations: 1,
-                dopplers: 1,
-                ranges: RANGES,
-                flags: if ends(45) { END_OF_SECTOR } else { 0 } | if ends(DWELLS) { END_OF_SCAN } else { 0 },
-                ..DwellHeader::default()
-            };
-            let taken = extractor.take(&header, &amplitudes, 1, |_, plots| {
-                found.extend_from_slice(plots);
-                Ok::<(), Infallible>(())
-            });
-            assert_eq!(taken, Ok(None));
+            take(&mut extractor, (scan, dwell), RANGE_STEP_M, &amplitudes, &mut found);
         }
     }
     found
@@ -140,33 +112,13 @@ fn two_targets_are_no_hull() {
     for gap in [6, 12, 18, 30] {
         let chain = chain();
         let mut extractor = PlotExtractor::new(&chain.extractor, &chain.radar);
-        let mut hits = 0;
+        let mut found = Vec::new();
         let mut amplitudes = vec![1.0_f32; RANGES as usize];
         (amplitudes[100], amplitudes[100 + gap]) = (30.0, 30.0);
-        for dwell in 0..3 {
+        for dwell in 0..DWELLS {
             let cells = if dwell == 1 { amplitudes.clone() } else { vec![1.0; RANGES as usize] };
-            let header = DwellHeader {
-                seq: dwell,
-                dwell: dwell as u32,
-                azimuth_step_rad: TAU / f64::from(DWELLS),
-                elevation_step_rad: 0.1,
-                range_rate_step_mps: 1.0,
-                range_step_m: RANGE_STEP_M,
-                scan_period_s: 1.8,
-                dwells_per_scan: DWELLS,
-                sectors_per_scan: 1,
-                elevations: 1,
-                dopplers: 1,
-                ranges: RANGES,
-                flags: if dwell == 2 { END_OF_SECTOR } else { 0 },
-                ..DwellHeader::default()
-            };
-            let taken = extractor.take(&header, &cells, 1, |_, plots| {
-                hits += plots.len();
-                Ok::<(), Infallible>(())
-            });
-            assert_eq!(taken, Ok(None));
+            take(&mut extractor, (0, dwell), RANGE_STEP_M, &cells, &mut found);
         }
-        assert_eq!(hits, 2, "{gap} cells apart");
+        assert_eq!(found.len(), 2, "{gap} cells apart");
     }
 }

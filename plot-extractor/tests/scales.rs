@@ -1,15 +1,14 @@
 //! A radar that changes the scale of its range, or the number of its cells, in the middle of a turn.
 
-use std::convert::Infallible;
+mod marine;
+
 use std::f64::consts::TAU;
 
 use common::config::ChainConfig;
-use common::dwell::DwellHeader;
-use common::message::{END_OF_SCAN, END_OF_SECTOR};
 use common::plots::Plot;
+use marine::{DWELLS, take};
 use plot_extractor::PlotExtractor;
 
-const DWELLS: u32 = 360;
 /// The change comes between these dwells, in the middle of an echo.
 const CHANGE: u32 = 100;
 const TARGET_M: f64 = 1200.0;
@@ -27,31 +26,7 @@ fn plots((step_before_m, ranges_before): (f64, u32), (step_m, ranges): (f64, u32
         if dwell.abs_diff(CHANGE) < 5 {
             amplitudes[(TARGET_M / range_step_m).round() as usize] = 40.0;
         }
-        let ends = |dwells: u32| (dwell + 1) % dwells == 0;
-        let header = DwellHeader {
-            seq: dwell.into(),
-            time_ns: u64::from(dwell + 1) * 5_000_000,
-            azimuth_rad: (f64::from(dwell) + 0.5) * TAU / f64::from(DWELLS),
-            azimuth_step_rad: TAU / f64::from(DWELLS),
-            elevation_step_rad: 0.1,
-            range_rate_step_mps: 1.0,
-            range_step_m,
-            scan_period_s: 1.8,
-            dwell,
-            dwells_per_scan: DWELLS,
-            sector: dwell / 45,
-            sectors_per_scan: 8,
-            elevations: 1,
-            dopplers: 1,
-            ranges,
-            flags: if ends(45) { END_OF_SECTOR } else { 0 } | if ends(DWELLS) { END_OF_SCAN } else { 0 },
-            ..DwellHeader::default()
-        };
-        let taken = extractor.take(&header, &amplitudes, 1, |_, plots| {
-            found.extend_from_slice(plots);
-            Ok::<(), Infallible>(())
-        });
-        assert_eq!(taken, Ok(None));
+        take(&mut extractor, (0, dwell), range_step_m, &amplitudes, &mut found);
     }
     found
 }

@@ -30,7 +30,7 @@ pub struct FusionConfig {
     pub straight_noise: f64,
     /// The same while they manoeuvre, m²/s³.
     pub manoeuvre_noise: f64,
-    /// Mean time that targets fly straight on, s.
+    /// Mean time that targets fly straight on before anything is learned of it, s.
     pub straight_s: f64,
     /// Mean time that they manoeuvre, s.
     pub manoeuvre_s: f64,

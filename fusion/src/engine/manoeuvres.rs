@@ -1,7 +1,7 @@
 //! How often targets manoeuvre, learned from all system tracks.
 //!
 //! ```text
-//! τ₀ = (s + Σ p₀ Δt) / (1 + Σ p₁ Δt / τ₁)          sums of late, as if one manoeuvre had been seen in s
+//! τ₀ = (s + Σ p₀ Δt) / (1 + Σ p₁ Δt / τ₁)          sums over the last 100 s; before it, one manoeuvre in s
 //! ```
 //!
 //! Time spent in manoeuvres over the mean time of one says how many there were. Where nobody turns none is expected, and the system tracks are as

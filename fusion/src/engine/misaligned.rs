@@ -13,8 +13,9 @@ use crate::registration::{BIASES, Bias};
 const FEWEST: usize = 4;
 /// Reports of a site in a cycle that are compared with the system tracks before any is absorbed.
 const SAMPLE: usize = 24;
-/// Local tracks of a site that a bias is looked for with, and system tracks near each of them.
+/// Local tracks of a site that a bias is looked for with.
 const SOUGHT: usize = 60;
+/// System tracks near each of them.
 const NEAR: usize = 20;
 /// Local and system tracks farther apart than this are no pair, m.
 const REACH_M: f64 = 6000.0;
@@ -43,10 +44,11 @@ pub(super) struct Alignment {
     pub(super) matches_nobody: bool,
     /// Cycle in which it was last brought back.
     brought_back: Option<u64>,
-    /// Cycle before which nothing is looked for, and how long the next wait is.
+    /// Cycle before which no bias is looked for.
     search_from: u64,
+    /// Cycles of the last wait for a search.
     wait: u64,
-    /// Reports of this cycle.
+    /// Reports of this cycle, and those gone through.
     reports: usize,
     seen: usize,
 }

@@ -294,7 +294,7 @@ mod tests {
     use super::super::messages::{Command, RegistrationAck, UNITS_MILLISECONDS};
     use super::*;
     use crate::origins::Origins;
-    use crate::targets::tests::{NOON_NS, site, targets, track};
+    use crate::targets::tests::{NOON_NS, site, targets, track, update};
     use common::tracks::{CONFIRMED, Track};
 
     const NOW: SystemTime = UNIX_EPOCH;
@@ -311,14 +311,8 @@ mod tests {
 
     fn tracks(node: &mut EdgeNode, tracks: &[Track]) -> Vec<Content> {
         let (site, targets) = (site(), targets(tracks));
-        let update = Update {
-            site: &site,
-            time_ns: NOON_NS,
-            ends_scan: false,
-            targets: &targets,
-            origins: &Origins::default(),
-            latency_ns: 2_500_000,
-        };
+        let origins = Origins::default();
+        let update = Update { latency_ns: 2_500_000, ..update(&site, &targets, &origins) };
         let mut frames = Frames::default();
         node.tracks(&update, &mut frames);
         contents(&frames)

@@ -28,8 +28,8 @@ use std::ops::Range;
 
 use common::amplitude::ca_cfar_factor;
 
-use super::rows::{BLOCK_ROWS, Rows, windows_of};
-use super::{Hit, square};
+use super::Hit;
+use super::rows::{Rows, each_block, windows_of};
 
 /// No hull is longer, cells.
 pub const LONGEST_HULL: usize = 128;
@@ -90,21 +90,14 @@ impl CaCfar {
     /// # Panics
     /// If `amplitudes` is not whole rows, or `powers` of another length.
     pub fn detect(&mut self, amplitudes: &[f32], powers: &mut [f32], hits: &mut Vec<Hit>) -> bool {
-        assert_eq!(amplitudes.len(), powers.len(), "one power per amplitude");
-        let before = hits.len();
         let (ranges, guard, reference, stride) =
             (self.rows.ranges, self.rows.guard, self.rows.reference, self.rows.stride());
-        let blocks = amplitudes.chunks(BLOCK_ROWS * ranges).zip(powers.chunks_mut(BLOCK_ROWS * ranges));
-        for (block, (amplitudes, rows)) in blocks.enumerate() {
-            if !square(amplitudes, rows) {
-                hits.truncate(before);
-                return false;
-            }
+        each_block(ranges, amplitudes, powers, hits, |first_row, rows, hits| {
             let windows = self.rows.sum(rows);
             let length = windows.powers.len();
             let (thresholds, edges) = (&self.block_multipliers[..length], &self.edge_multipliers[..length]);
             if !any_over(windows.powers, windows.lagging, windows.leading, thresholds, (edges, self.contrast)) {
-                continue;
+                return;
             }
             for row in 0..rows.len() / ranges {
                 let of_row = row * stride..row * stride + ranges;
@@ -117,13 +110,12 @@ impl CaCfar {
                     contrast: self.contrast,
                     guard,
                     reference,
-                    first_cell: (block * BLOCK_ROWS + row) * ranges,
+                    first_cell: (first_row + row) * ranges,
                 };
                 row.find_hulls(&mut self.hulls);
                 row.detect(&self.hulls, hits);
             }
-        }
-        true
+        })
     }
 }
 

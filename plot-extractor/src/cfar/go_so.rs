@@ -6,8 +6,8 @@
 
 use common::amplitude::NoiseEstimate;
 
-use super::rows::{BLOCK_ROWS, Rows, windows_of};
-use super::{Hit, square};
+use super::Hit;
+use super::rows::{Rows, each_block, windows_of};
 
 /// GO- or SO-CFAR detector for dwells whose rows are range profiles of one length.
 #[derive(Debug, Clone)]
@@ -70,19 +70,12 @@ impl GoSoCfar {
     /// # Panics
     /// If `amplitudes` is not whole rows, or `powers` of another length.
     pub fn detect(&mut self, amplitudes: &[f32], powers: &mut [f32], hits: &mut Vec<Hit>) -> bool {
-        assert_eq!(amplitudes.len(), powers.len(), "one power per amplitude");
-        let before = hits.len();
         let (ranges, stride) = (self.rows.ranges, self.rows.stride());
-        let blocks = amplitudes.chunks(BLOCK_ROWS * ranges).zip(powers.chunks_mut(BLOCK_ROWS * ranges));
-        for (block, (amplitudes, rows)) in blocks.enumerate() {
-            if !square(amplitudes, rows) {
-                hits.truncate(before);
-                return false;
-            }
+        each_block(ranges, amplitudes, powers, hits, |first_row, rows, hits| {
             let windows = self.rows.sum(rows);
             let factors = (&self.lagging[..windows.powers.len()], &self.leading[..windows.powers.len()]);
             if !any_over(windows.powers, (windows.lagging, windows.leading), factors, self.greater) {
-                continue;
+                return;
             }
             for row in 0..rows.len() / ranges {
                 for (range, &factor) in self.factors.iter().enumerate() {
@@ -94,13 +87,12 @@ impl GoSoCfar {
                     );
                     let threshold = if self.greater { lagging.max(leading) } else { lagging.min(leading) };
                     if power > threshold {
-                        let cell = ((block * BLOCK_ROWS + row) * ranges + range) as u32;
+                        let cell = ((first_row + row) * ranges + range) as u32;
                         hits.push(Hit { cell, power, noise: threshold / factor });
                     }
                 }
             }
-        }
-        true
+        })
     }
 }
 

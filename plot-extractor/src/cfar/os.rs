@@ -15,8 +15,8 @@
 
 use common::amplitude::{NoiseEstimate, rank};
 
-use super::rows::{BLOCK_ROWS, GROUP, Rows, windows_of};
-use super::{Hit, square};
+use super::Hit;
+use super::rows::{BLOCK_ROWS, GROUP, Rows, each_block, windows_of};
 
 /// OS-CFAR detector for dwells whose rows are range profiles of one length.
 #[derive(Debug, Clone)]
@@ -70,16 +70,9 @@ impl OsCfar {
     /// # Panics
     /// If `amplitudes` is not whole rows, or `powers` of another length.
     pub fn detect(&mut self, amplitudes: &[f32], powers: &mut [f32], hits: &mut Vec<Hit>) -> bool {
-        assert_eq!(amplitudes.len(), powers.len(), "one power per amplitude");
-        let before = hits.len();
         let (ranges, stride, half) = (self.rows.ranges, self.rows.stride(), self.rows.half());
         let (guard, reference) = (self.rows.guard, self.rows.reference);
-        let blocks = amplitudes.chunks(BLOCK_ROWS * ranges).zip(powers.chunks_mut(BLOCK_ROWS * ranges));
-        for (block, (amplitudes, rows)) in blocks.enumerate() {
-            if !square(amplitudes, rows) {
-                hits.truncate(before);
-                return false;
-            }
+        each_block(ranges, amplitudes, powers, hits, |first_row, rows, hits| {
             let (padded, cells) = self.rows.pad(rows);
             self.found.clear();
             let thresholds = (&self.inverses[..], &self.too_many[..]);
@@ -95,11 +88,10 @@ impl OsCfar {
                 self.reference_powers.extend(&padded[at + guard + 1..at + guard + 1 + after]);
                 let (_, ordered, _) = self.reference_powers.select_nth_unstable_by(k - 1, f32::total_cmp);
                 let noise = *ordered / mean;
-                let cell = ((block * BLOCK_ROWS + row) * ranges + range) as u32;
+                let cell = ((first_row + row) * ranges + range) as u32;
                 hits.push(Hit { cell, power: padded[at], noise });
             }
-        }
-        true
+        })
     }
 }
 

@@ -1,9 +1,37 @@
 //! Range profiles side by side with zeros between them, and the sums of their reference windows.
 
+use super::{Hit, square};
+
 /// Rows worked on together: their padded powers stay in the first-level cache.
 pub(super) const BLOCK_ROWS: usize = 8;
 /// Cells that may be read together from any cell of a block on.
 pub(super) const GROUP: usize = 32;
+
+/// Squares the amplitudes of rows of `ranges` cells, block by block so that powers are still in cache, and hands each block's powers to
+/// `detect` with the number of its first row. Returns false, with no new hits and powers without meaning, if an amplitude is NaN, infinite or
+/// negative.
+///
+/// # Panics
+/// If `powers` has another length.
+pub(super) fn each_block(
+    ranges: usize,
+    amplitudes: &[f32],
+    powers: &mut [f32],
+    hits: &mut Vec<Hit>,
+    mut detect: impl FnMut(usize, &[f32], &mut Vec<Hit>),
+) -> bool {
+    assert_eq!(amplitudes.len(), powers.len(), "one power per amplitude");
+    let before = hits.len();
+    let cells = BLOCK_ROWS * ranges;
+    for (block, (amplitudes, powers)) in amplitudes.chunks(cells).zip(powers.chunks_mut(cells)).enumerate() {
+        if !square(amplitudes, powers) {
+            hits.truncate(before);
+            return false;
+        }
+        detect(block * BLOCK_ROWS, powers, hits);
+    }
+    true
+}
 
 /// Rows of one length, in blocks.
 #[derive(Debug, Clone)]
