@@ -119,11 +119,8 @@ fn whoever_connects_hears_the_tracks() {
 #[test]
 fn what_cannot_be_used_is_one_line() {
     let bench = Bench::new();
-    let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let busy = taken.local_addr().expect("an address");
     for (keys, expected) in [
-        (vec![format!("outputs.json.to=tcp-listen://{busy}")], "Address already in use".to_string()),
-        (vec!["outputs.json.to=here".into()], "expected udp://ADDRESS:PORT".into()),
+        (vec!["outputs.json.to=here".to_string()], "expected udp://ADDRESS:PORT".to_string()),
         (vec!["outputs.cot.to=udp://127.0.0.1:9".into()], "expected a position: output `cot`".into()),
         (
             vec![POSITION.into(), "outputs.sapient.to=tcp://127.0.0.1:9".into(), "outputs.sapient.node_id=x".into()],
@@ -137,6 +134,28 @@ fn what_cannot_be_used_is_one_line() {
         let repeated = text_of(&ended).contains("the run was without outputs");
         assert_eq!(repeated, ended.status.success(), "{}", text_of(&ended));
     }
+}
+
+/// Its frames are dropped and counted; the others are sent.
+#[test]
+fn an_output_whose_port_is_taken_is_told_and_concerns_no_other() {
+    let bench = Bench::new();
+    let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let receiver = UdpSocket::bind("127.0.0.1:0").expect("a port");
+    let busy = format!("outputs.json.to=tcp-listen://{}", taken.local_addr().expect("an address"));
+    let free = format!("outputs.asterix.to=udp://{}", receiver.local_addr().expect("an address"));
+    let ended = bench.run(&["--set", &busy, "--set", &free]);
+    assert!(ended.status.success(), "{}", text_of(&ended));
+    let said = text_of(&ended);
+    assert_eq!(
+        said.lines().filter(|line| line.contains("Address already in use") && line.contains("trying again")).count(),
+        1,
+        "{said}"
+    );
+    let observers = serde_json::to_value(&bench.report().observers).expect("JSON");
+    assert!(observers["tracks"]["json"].as_u64() > Some(0), "{observers}");
+    receiver.set_nonblocking(true).expect("set");
+    assert!(receiver.recv(&mut [0; 2048]).is_ok(), "{said}");
 }
 
 /// A turn of the radar whose plots are sent and taken back, s, and how many there are.

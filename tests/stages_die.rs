@@ -4,7 +4,8 @@ mod support;
 
 use common::recording::Recorded;
 use common::report::Book;
-use support::{Bench, STAGES, pids, scan, signal, text_of};
+use serde_json::Value;
+use support::{Bench, STAGES, number, pids, scan, signal, text_of};
 
 #[test]
 fn every_stage_comes_back_and_the_loss_is_reported() {
@@ -66,6 +67,37 @@ fn every_stage_comes_back_and_the_loss_is_reported() {
     }
 }
 
+/// Whoever reads tracks sees the same numbers go on; what the tracker had in hand is lost all the same, and told.
+#[test]
+fn a_tracker_that_comes_back_goes_on_with_its_tracks() {
+    let bench = Bench::new();
+    let running = bench.start(&["--scans", "0", "--speed", "1"]);
+    let both = |status: &Value| number(status, "tracker", "confirmed").filter(|&confirmed| confirmed == 2);
+    bench.wait_for("two confirmed tracks", both);
+    let before = bench.wait_for("all stages at work", pids);
+    signal(before[2], "KILL");
+    bench.wait_for("another tracker", |status| pids(status).filter(|now| now[2] != before[2]));
+    let seen = bench.wait_for("a scan", scan);
+    bench.wait_for("further scans", |status| scan(status).filter(|&now| now >= seen + 6));
+    let output = running.stop();
+    assert_eq!(output.status.code(), Some(1), "{}", text_of(&output));
+    assert!(text_of(&output).contains("tracker goes on with 2 confirmed tracks"), "{}", text_of(&output));
+
+    let mut numbers = std::collections::BTreeMap::<u64, std::collections::BTreeSet<u64>>::new();
+    for path in bench.recordings() {
+        let file = std::fs::File::open(path).expect("a recording");
+        for message in common::recording::container::Reader::new(std::io::BufReader::new(file)).map_while(Result::ok) {
+            if let Recorded::Tracks(header, tracks) = message {
+                let confirmed = tracks.iter().filter(|track| track.is_confirmed()).map(|track| track.id);
+                numbers.entry(header.session).or_default().extend(confirmed);
+            }
+        }
+    }
+    let numbers: Vec<_> = numbers.into_values().collect();
+    assert_eq!(numbers.len(), 2, "one session of each tracker: {numbers:?}");
+    assert_eq!(numbers[0], numbers[1]);
+}
+
 /// A source that publishes plots itself had the rest of its scan in hand.
 #[test]
 fn what_a_dead_source_of_plots_had_in_hand_is_counted() {
@@ -104,9 +136,11 @@ fn a_recorder_that_is_away_until_the_end_counts_what_it_has_missed() {
     let report = bench.report();
     assert!(report.books.iter().all(Book::balances), "{:?}", report.books);
     for (topic, sent) in [("dwells", 40 * 64), ("plots", 40 * 8), ("tracks", 40 * 8), ("truth", 40)] {
-        let mut books = report.books.iter().filter(|book| book.topic == topic).peekable();
-        assert!(books.peek().is_some(), "{topic}: {:?}", report.books);
-        assert!(books.all(|book| book.sent == sent), "{topic}: {:?}", report.books);
+        let all: Vec<u64> = report.books.iter().filter(|book| book.topic == topic).map(|book| book.sent).collect();
+        assert!(!all.is_empty() && all.iter().all(|&each| each == all[0]), "{topic}: {:?}", report.books);
+        // On a busy machine the extractor may miss a sector, of which there are no plots then.
+        let least = if matches!(topic, "plots" | "tracks") { sent * 9 / 10 } else { sent };
+        assert!((least..=sent).contains(&all[0]), "{topic}: {:?}", report.books);
     }
     assert!(report.lost() > 0);
 }

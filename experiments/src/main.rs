@@ -17,7 +17,7 @@ Examples:
   experiments initiation --runs 200 --seed 7          more or fewer runs, other draws
   experiments plot-accuracy --json plots.json --figures figures
   experiments crossing --page docs/results/crossing.md   run it again and renew its tables in the page
-  experiments all --quick                             check in seconds that every experiment works
+  experiments all --quick                             every experiment with few runs, in seconds: one verdict each
 
 The same seed and number of runs give the same figures on any number of threads, and on machines of the same
 vector instructions.";
@@ -85,10 +85,12 @@ fn main() -> anyhow::Result<()> {
         let outcome = (experiment.run)(&options, &progress);
         progress.finish();
         let outcome = outcome.with_context(|| format!("running {}", experiment.name))?;
-        print(&format!("{}: {} runs, seed {}\n\n", experiment.name, outcome.runs, options.seed));
-        print(&format!("{}\n", table::text(&outcome.rows)));
-        for remark in &outcome.remarks {
-            print(&format!("{remark}\n\n"));
+        if args.name != ALL {
+            print(&format!("{}: {} runs, seed {}\n\n", experiment.name, outcome.runs, options.seed));
+            print(&format!("{}\n", table::text(&outcome.rows)));
+            for remark in &outcome.remarks {
+                print(&format!("{remark}\n\n"));
+            }
         }
         if let Some(directory) = &args.figures {
             fs::create_dir_all(directory).with_context(|| format!("creating {}", directory.display()))?;
@@ -102,6 +104,9 @@ fn main() -> anyhow::Result<()> {
             renew(file, &outcome.blocks).with_context(|| format!("renewing {}", file.display()))?;
         }
         all.push((experiment.name, outcome));
+    }
+    if args.name == ALL {
+        print(&table::verdicts(&all, options.seed));
     }
     if let Some(file) = &args.json {
         fs::write(file, results::to_json(&args.name, &options, &all)?)

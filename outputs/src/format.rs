@@ -86,6 +86,16 @@ pub trait Format {
     /// The last frames before the connection is closed.
     fn close(&mut self, _now: SystemTime, _out: &mut Frames) {}
 
+    /// Why the connection is to be made again, if it is; asked once.
+    fn take_discontent(&mut self) -> Option<String> {
+        None
+    }
+
+    /// Tracks and plots so far that were dropped, because the peer had not agreed to take them.
+    fn dropped(&self) -> u64 {
+        0
+    }
+
     /// Tracks and plots so far that the format cannot say.
     fn not_said(&self) -> u64;
 }

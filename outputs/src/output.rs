@@ -161,6 +161,9 @@ impl Output {
                 Event::Heard(octets) => self.format.heard(&octets),
             }
         }
+        if let Some(why) = self.format.take_discontent() {
+            self.line.leave(&why, Instant::now());
+        }
     }
 
     /// Says its last words; [`Self::attend`] sends them while [`Self::is_waiting`].
@@ -175,9 +178,10 @@ impl Output {
         self.line.is_waiting()
     }
 
-    /// Frames so far.
+    /// Frames so far, and as dropped ones the reports that nobody had agreed to take.
     pub fn counts(&self) -> Counts {
-        self.line.counts()
+        let Counts { sent, dropped } = self.line.counts();
+        Counts { sent, dropped: dropped + self.format.dropped() }
     }
 
     /// Tracks and plots reported so far.

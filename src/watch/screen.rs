@@ -8,6 +8,7 @@ use common::config::{ChainConfig, Sites, Speed};
 use common::latency::LATENCY_NAMES;
 use common::status::{Board, SiteBoard, data_inputs};
 use crossterm::cursor::MoveToPreviousLine;
+use crossterm::style::Stylize;
 use crossterm::terminal::{Clear, ClearType, size};
 use crossterm::{QueueableCommand, execute};
 
@@ -50,7 +51,7 @@ impl Screen {
             format!("{}:{:02}:{:02} left  ", s / 3600, s / 60 % 60, s % 60)
         });
         if self.terminal {
-            self.draw(&format!("{left}{}", picture(sites, board)));
+            self.draw(&left, &picture(sites, board));
         } else {
             common::process::tell(&format!("{left}{}", line(sites, board)));
         }
@@ -70,16 +71,18 @@ impl Screen {
         }
     }
 
-    fn draw(&mut self, picture: &str) {
+    fn draw(&mut self, left: &str, picture: &Picture) {
         let (columns, rows) = size().unwrap_or((80, 24));
         let mut out = std::io::stderr().lock();
         if self.drawn_lines > 0 {
             let _ = out.queue(MoveToPreviousLine(self.drawn_lines));
         }
         let mut count = 0;
-        for text in picture.lines().take(usize::from(rows.saturating_sub(1))) {
+        let lead = std::iter::once(left).chain(std::iter::repeat(""));
+        for (lead, line) in lead.zip(&picture.0).take(usize::from(rows.saturating_sub(1))) {
             // A line longer than the terminal would wrap and spoil the count of lines.
-            let cut: String = text.chars().take(usize::from(columns.saturating_sub(1))).collect();
+            let cut = lead.chars().chain(line.text.chars()).take(usize::from(columns.saturating_sub(1))).collect();
+            let cut = Line { tone: line.tone, text: cut }.coloured();
             let _ = out.queue(Clear(ClearType::CurrentLine)).and_then(|out| Ok(writeln!(out, "{cut}")?));
             count += 1;
         }
@@ -137,67 +140,120 @@ fn line(sites: &Sites, board: &Board) -> String {
     text
 }
 
-/// The whole status, site by site: headline, processes, latencies.
-pub(crate) fn picture(sites: &Sites, board: &Board) -> String {
-    let mut text = String::new();
-    for (index, (chain, (_, of_site))) in sites.all().iter().zip(board.sites()).enumerate() {
-        if index > 0 {
-            text.push('\n');
-        }
-        write_site(&mut text, chain, of_site, board.restarts());
-    }
-    text
+/// How a line of the status is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Tone {
+    Plain,
+    /// Worth a look.
+    Warning,
+    /// Something was lost.
+    Fault,
 }
 
-fn write_site(text: &mut String, chain: &ChainConfig, board: &SiteBoard, restarts: u32) {
+#[derive(Debug)]
+struct Line {
+    tone: Tone,
+    text: String,
+}
+
+impl Line {
+    /// With the colour of its tone; without one where the environment asks for none (`NO_COLOR`).
+    fn coloured(self) -> String {
+        match self.tone {
+            Tone::Plain => self.text,
+            Tone::Warning => self.text.yellow().to_string(),
+            Tone::Fault => self.text.red().to_string(),
+        }
+    }
+}
+
+/// The whole status, line by line.
+#[derive(Debug, Default)]
+pub(crate) struct Picture(Vec<Line>);
+
+impl Picture {
+    fn put(&mut self, tone: Tone, text: String) {
+        self.0.push(Line { tone, text });
+    }
+
+    /// For standard output: coloured in a terminal.
+    pub(crate) fn into_text(self) -> String {
+        let terminal = std::io::stdout().is_terminal();
+        let text = |line: Line| if terminal { line.coloured() } else { line.text };
+        self.0.into_iter().map(|line| text(line) + "\n").collect()
+    }
+}
+
+/// The whole status, site by site: headline, processes, latencies.
+pub(crate) fn picture(sites: &Sites, board: &Board) -> Picture {
+    let mut picture = Picture::default();
+    for (index, (chain, (_, of_site))) in sites.all().iter().zip(board.sites()).enumerate() {
+        if index > 0 {
+            picture.put(Tone::Plain, String::new());
+        }
+        put_site(&mut picture, chain, of_site, board.restarts());
+    }
+    picture
+}
+
+fn put_site(picture: &mut Picture, chain: &ChainConfig, board: &SiteBoard, restarts: u32) {
     let now = Headline::of(board);
-    let _ = writeln!(
-        text,
-        "{}  {}  {}  {}   {} lost   {restarts} restarts   {} tracks confirmed, {} alive   {} plots a scan",
-        chain.site.name,
-        chain.run.mode.name(),
-        chain.run.speed,
-        scan_of(chain, now.scan),
-        board.lost(),
-        now.confirmed,
-        now.alive,
-        now.plots,
+    let fault = |is_fault: bool| if is_fault { Tone::Fault } else { Tone::Plain };
+    picture.put(
+        fault(board.lost() > 0 || restarts > 0),
+        format!(
+            "{}  {}  {}  {}   {} lost   {restarts} restarts   {} tracks confirmed, {} alive   {} plots a scan",
+            chain.site.name,
+            chain.run.mode.name(),
+            chain.run.speed,
+            scan_of(chain, now.scan),
+            board.lost(),
+            now.confirmed,
+            now.alive,
+            now.plots,
+        ),
     );
-    let _ = writeln!(text, "\n{:<16}{:>7}{:>10}{:>12}{:>10}   lost", "process", "CPU %", "MiB", "sent", "rejected");
+    picture.put(Tone::Plain, String::new());
+    let heads = format!("{:<16}{:>7}{:>10}{:>12}{:>10}   lost", "process", "CPU %", "MiB", "sent", "rejected");
+    picture.put(Tone::Plain, heads);
     for (name, health, cpu_share) in board.all() {
-        let _ = write!(
-            text,
+        let mut text = format!(
             "{name:<16}{:>7.0}{:>10.1}{:>12}{:>10}",
             cpu_share * 100.0,
             health.rss_bytes as f64 / f64::from(1 << 20),
             health.messages_out,
             health.rejected().map(|(_, count)| count).sum::<u64>()
         );
+        let mut lost = 0;
         for (topic, intake) in data_inputs(health).filter(|(_, intake)| intake.received > 0) {
             let _ = write!(text, "   {} {topic}", intake.lost);
+            lost += intake.lost;
         }
-        text.push('\n');
+        picture.put(fault(lost > 0), text);
     }
     for (name, health, _) in board.all() {
         if let Some(warning) = health.false_alarms.warning() {
-            let _ = writeln!(text, "WARNING {name}: {warning}");
+            picture.put(Tone::Warning, format!("WARNING {name}: {warning}"));
         }
     }
     for of in board.observers() {
-        let _ = writeln!(text, "observer {} has missed {} {}", of.observer, of.lost, of.topic);
+        picture.put(Tone::Warning, format!("observer {} has missed {} {}", of.observer, of.lost, of.topic));
     }
     let Some(recorder) = board.of(recorder::process::NAME) else { return };
-    let _ = writeln!(text, "\n{:<16}{:>9}{:>9}   budget", "latency µs", "p50", "p99");
+    picture.put(Tone::Plain, String::new());
+    picture.put(Tone::Plain, format!("{:<16}{:>9}{:>9}   budget", "latency µs", "p50", "p99"));
     for ((name, latency), budget) in LATENCY_NAMES.iter().zip(recorder.latency).zip(chain.budget.all()) {
         if latency.n > 0 {
             let limits: Vec<String> =
                 budget.limits().map(|(percentile, limit_us)| format!("p{percentile} ≤ {limit_us:.0}")).collect();
-            let told = if chain.run.speed == Speed::Max && budget.further().next().is_none() {
-                "not applied at full speed".to_string()
-            } else {
+            let applies = chain.run.speed != Speed::Max || budget.further().next().is_some();
+            let told = if applies {
                 format!("{}, over budget in {} scans", limits.join(", "), latency.misses)
+            } else {
+                "not applied at full speed".to_string()
             };
-            let _ = writeln!(text, "{name:<16}{:>9.0}{:>9.0}   {told}", latency.p50_us, latency.p99_us);
+            let tone = if applies && latency.misses > 0 { Tone::Warning } else { Tone::Plain };
+            picture.put(tone, format!("{name:<16}{:>9.0}{:>9.0}   {told}", latency.p50_us, latency.p99_us));
         }
     }
 }

@@ -48,7 +48,7 @@ pub(crate) fn status(sites: &Sites, json: bool) -> anyhow::Result<ExitCode> {
     if json {
         print(&format!("{}\n", serde_json::to_string_pretty(&to_json(&board))?));
     } else {
-        print(&picture(&running, &board));
+        print(&picture(&running, &board).into_text());
     }
     Ok(ExitCode::SUCCESS)
 }

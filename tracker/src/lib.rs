@@ -8,6 +8,7 @@
 //!              several histories (hypotheses, (T21)), several tracks (rivals, joint (J2), (J3), resolution (J1), (J4)),
 //!              false plots to expect (clutter_map)
 //! tracks       store, life (T18), amplitude (T19), (T20.5), initiation (T18)
+//! last_tracks  the last messages in files, for a tracker that is started again
 //! operator     zones, tracks to begin and to end; orders: when what was asked for is done
 //! tracker      all of it, one call per message
 //! tuning       parameters learnt from plots, (ML1)-(ML4)
@@ -23,6 +24,7 @@ pub mod beam;
 mod constants;
 mod environment;
 pub mod filter;
+mod last_tracks;
 mod operator;
 pub mod orders;
 pub mod plots;

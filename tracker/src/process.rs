@@ -16,6 +16,7 @@ use common::time::monotonic_ns;
 use common::topic::Topic;
 use common::tracks::{MAX_TRACKS, Track, TracksHeader};
 
+use crate::last_tracks::LastTracks;
 use crate::orders::Orders;
 use crate::zones::ZonesFile;
 use crate::{Processed, Tracker};
@@ -39,7 +40,10 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let maps = station.publisher::<ClutterMap>(ClutterMap::MOST)?;
     let wakes = [station.wake(Topic::Plots)?, station.wake(Topic::Commands)?];
     let (plots, commands) = (station.subscriber::<Plots>()?, station.subscriber::<Commands>()?);
-    let zones = ZonesFile::of(&Domain::root(&chain.ipc), &chain.site.name);
+    let folder = Domain::root(&chain.ipc);
+    let zones = ZonesFile::of(&folder, &chain.site.name);
+    let mut last_tracks = LastTracks::of(&folder, &chain.site.name);
+    tracker.take_over(last_tracks.begin());
     let mut orders = Orders::default();
     zones.read().into_iter().for_each(|zone| orders.take(zone));
     let session = new_session();
@@ -79,6 +83,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
                 header.stamps.tracks_out_ns = monotonic_ns();
             });
             published.context("publishing tracks")?;
+            last_tracks.keep(&header, &tracks);
             orders.follow_up(&mut tracker, message.header(), tell)?;
             if header.has(END_OF_SCAN)
                 && header.scan.is_multiple_of(SCANS_OF_A_MAP)

@@ -14,6 +14,7 @@
 mod births;
 mod duplicates;
 mod forecast;
+mod taking_over;
 mod updates;
 
 use common::clutter_map::{AZIMUTHS, ClutterCell, ClutterMapHeader, RANGES};
@@ -71,6 +72,8 @@ pub struct Tracker {
     forecast: Forecast,
     births: Births,
     operator: Operator,
+    /// Last messages of the tracks of a tracker before, until the first plots.
+    before: Vec<Track>,
 }
 
 impl Tracker {
@@ -97,6 +100,7 @@ impl Tracker {
             forecast: Forecast::new(&layout),
             births: Births::new(&layout),
             operator: Operator::default(),
+            before: Vec::new(),
         })
     }
 
@@ -138,6 +142,7 @@ impl Tracker {
             _ => Environment::new(header, &self.config, self.machine),
         };
         environment.turn_in(header.scan_period_s, &self.config);
+        self.go_on(&environment);
         environment.false_alarms.test(header, environment.radar.dimensions());
         for (index, plot) in plots.iter().enumerate() {
             if let Err(reason) = self.store(header, index, plot) {

@@ -6,9 +6,9 @@
 //! network ──▶ live ─────┘
 //! ```
 //!
-//! **Amplitudes** (C14). A code c of the video stands for the amplitude c + ½, the middle of its step: amplitudes are in steps of the
-//! radar's converter, and a cell of code 0 has the power ¼. So what is 0 in the video, be it weak or cut off by the radar, is noise half
-//! a step strong and not the absence of noise, of which no threshold could be made. Nothing is assumed of how the radar has made its
+//! **Amplitudes** (C14). A code c of the video stands for the amplitude c + ½, the middle of its step, or, in codes of 1, 2 or 4 bits, for one
+//! drawn from its step: amplitudes are in steps of the radar's converter, and a cell of code 0 is not without power. So what is 0 in
+//! the video, be it weak or cut off by the radar, is noise of half a step and not the absence of noise, of which no threshold could be made. Nothing is assumed of how the radar has made its
 //! codes: where they are logarithmic or have a threshold of their own, noise is not exponential and the probability of false alarm
 //! not the set one. The largest code is the receiver's full scale.
 //!

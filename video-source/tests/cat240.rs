@@ -29,8 +29,10 @@ fn every_size_of_cell_in_every_block_compressed_or_not() {
             let [(header, spoke)] = recording.dwells() else { panic!("{form:?}: one spoke") };
             let mut amplitudes = vec![0.0; 100];
             spoke.fill(&mut amplitudes);
+            // Of few bits somewhere in the step, of others in its middle.
+            let places = |amplitude: &f32| if resolution < 4 { amplitude.floor() + 0.5 } else { *amplitude };
             let expected: Vec<f32> = codes.iter().map(|&code| code as f32 + 0.5).collect();
-            assert_eq!(amplitudes, expected, "{form:?}");
+            assert_eq!(amplitudes.iter().map(places).collect::<Vec<_>>(), expected, "{form:?}");
             assert_eq!(
                 (header.dwell, header.ranges, header.source_id, header.time_ns),
                 (5, 100, 25 << 8 | 7, (chain.run.epoch_s + 1) * 1_000_000_000)

@@ -4,6 +4,7 @@ mod datagrams;
 mod listeners;
 mod outbox;
 mod peer;
+mod retried;
 
 use std::time::Instant;
 
@@ -13,6 +14,7 @@ use common::process::BadInput;
 pub use datagrams::Datagrams;
 pub use listeners::Listeners;
 pub use peer::Peer;
+use retried::Retried;
 
 /// Frames by what has become of them.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
@@ -45,20 +47,26 @@ pub trait Line {
 
     /// Whether frames wait for a peer.
     fn is_waiting(&self) -> bool;
+
+    /// Leaves the peer, because of `why`, and connects to it again, where there is one.
+    fn leave(&mut self, _why: &str, _now: Instant) {}
 }
 
-/// Opens the line of the output `name`.
+/// Opens the line of the output `name`; one that the system refuses is tried again, and said.
 ///
 /// # Errors
-/// [`BadInput`]: the system refuses the address, the port or the interface.
+/// [`BadInput`]: there is no destination.
 pub fn open(name: &str, config: &OutputConfig) -> Result<Box<dyn Line>, BadInput> {
-    let refuse = |error: &dyn std::fmt::Display| BadInput(format!("output `{name}`: {}: {error}", config.to));
-    let destination = config.destination().ok_or_else(|| refuse(&"it names no destination"))?;
-    Ok(match destination {
-        Destination::Datagrams(to) => Box::new(Datagrams::open(name, to, config).map_err(|error| refuse(&error))?),
-        Destination::Peer(to) => Box::new(Peer::new(name, to, config.queue_bytes)),
+    let none = || BadInput(format!("output `{name}`: {}: it names no destination", config.to));
+    let (what, name) = (format!("output `{name}`: {}", config.to), name.to_string());
+    let (room, config) = (config.queue_bytes, config.clone());
+    Ok(match config.destination().ok_or_else(none)? {
+        Destination::Peer(to) => Box::new(Peer::new(&name, to, room)),
+        Destination::Datagrams(to) => {
+            Box::new(Retried::new(what, move || Ok(Box::new(Datagrams::open(&name, to, &config)?))))
+        }
         Destination::Listeners(at) => {
-            Box::new(Listeners::open(name, at, config.queue_bytes).map_err(|error| refuse(&error))?)
+            Box::new(Retried::new(what, move || Ok(Box::new(Listeners::open(&name, at, room)?))))
         }
     })
 }

@@ -74,7 +74,7 @@ impl Peer {
         Ok(false)
     }
 
-    fn leave(&mut self, error: &io::Error, now: Instant) {
+    fn hang_up(&mut self, error: &io::Error, now: Instant) {
         // A peer that hangs up at once is no better than one that is away.
         self.pause = (self.pause * 2).min(LONGEST_PAUSE);
         if let State::Connected { outbox, since } = &mut self.state {
@@ -129,7 +129,7 @@ impl Line for Peer {
 
     fn attend(&mut self, now: Instant, events: &mut Vec<Event>) {
         if let Err(error) = self.step(now, events) {
-            self.leave(&error, now);
+            self.hang_up(&error, now);
         }
     }
 
@@ -139,6 +139,10 @@ impl Line for Peer {
 
     fn is_waiting(&self) -> bool {
         matches!(&self.state, State::Connected { outbox, .. } if outbox.waiting() > 0)
+    }
+
+    fn leave(&mut self, why: &str, now: Instant) {
+        self.hang_up(&io::Error::other(why), now);
     }
 }
 

@@ -26,6 +26,11 @@ impl Incoming {
         *self = Self::default();
     }
 
+    /// Whether no frame will be found any more on this connection.
+    pub(super) fn is_lost(&self) -> bool {
+        self.is_lost
+    }
+
     /// Takes a piece; the whole messages so far, each an error where it is none.
     pub(super) fn take(&mut self, piece: &[u8]) -> Vec<Result<SapientMessage, String>> {
         let mut messages = Vec::new();

@@ -21,6 +21,8 @@ use crate::targets::{Site, Target};
 const DEGREE_M: f64 = 111_320.0;
 /// Without tracks for so long, the node says that something is amiss.
 const SILENCE: Duration = Duration::from_secs(10);
+/// A peer that has not answered the registration for so long is connected to anew.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// How far the registration has come on this connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +30,9 @@ enum Standing {
     Apart,
     /// It waits for the first tracks: with them the latency is known.
     Connected,
-    Asked,
+    Asked {
+        at: SystemTime,
+    },
     Accepted,
     Refused,
 }
@@ -53,6 +57,8 @@ pub struct EdgeNode {
     status_at: Option<SystemTime>,
     last_system: Option<i32>,
     not_said: u64,
+    dropped: u64,
+    discontent: Option<String>,
 }
 
 fn since_1970(time: SystemTime) -> Duration {
@@ -89,6 +95,8 @@ impl EdgeNode {
             status_at: None,
             last_system: None,
             not_said: 0,
+            dropped: 0,
+            discontent: None,
         })
     }
 
@@ -172,6 +180,13 @@ impl EdgeNode {
         }
     }
 
+    /// Wants another connection: on this one nothing will be agreed any more.
+    fn leave(&mut self, why: String) {
+        self.standing = Standing::Apart;
+        self.incoming.clear();
+        self.discontent = Some(why);
+    }
+
     /// Does what the other side asks for.
     fn answer(&mut self, content: Content) {
         match content {
@@ -225,6 +240,7 @@ impl Format for EdgeNode {
         self.latency_ns = self.latency_ns.max(update.latency_ns);
         self.has_news = true;
         if self.standing != Standing::Accepted {
+            self.dropped += update.targets.len() as u64;
             return;
         }
         for target in update.targets {
@@ -250,6 +266,9 @@ impl Format for EdgeNode {
                 Err(error) => say(&format!("sapient: what the other side says is no message: {error}")),
             }
         }
+        if self.incoming.is_lost() {
+            self.leave("its messages have no frames any more".into());
+        }
     }
 
     fn tick(&mut self, now: SystemTime, out: &mut Frames) {
@@ -260,7 +279,12 @@ impl Format for EdgeNode {
         if self.standing == Standing::Connected && self.tracks_at.is_some() {
             let registration = registration(&self.site, self.class, self.status_s, self.latency_ns);
             self.send(at, Content::Registration(registration), out);
-            self.standing = Standing::Asked;
+            self.standing = Standing::Asked { at: now };
+        }
+        if let Standing::Asked { at } = self.standing
+            && now.duration_since(at).is_ok_and(|waited| waited > PATIENCE)
+        {
+            self.leave(format!("it has not answered the registration for {PATIENCE:?}"));
         }
         for answer in std::mem::take(&mut self.answers) {
             self.send(at, answer, out);
@@ -282,6 +306,14 @@ impl Format for EdgeNode {
             self.send(at, Content::StatusReport(status), out);
             self.standing = Standing::Apart; // nothing comes after it
         }
+    }
+
+    fn take_discontent(&mut self) -> Option<String> {
+        self.discontent.take()
+    }
+
+    fn dropped(&self) -> u64 {
+        self.dropped
     }
 
     fn not_said(&self) -> u64 {
@@ -350,8 +382,26 @@ mod tests {
         accept(&mut node);
         assert!(matches!(tick(&mut node, NOW)[..], [Content::StatusReport(_)]));
         assert!(matches!(tracks(&mut node, &seen)[..], [Content::DetectionReport(_)]));
+        assert_eq!(node.dropped(), 2, "what came before is counted");
         node.opened();
         assert_eq!(tracks(&mut node, &seen), [], "a new connection begins anew");
+    }
+
+    #[test]
+    fn a_peer_that_cannot_be_understood_or_does_not_answer_is_left() {
+        let mut node = node();
+        let seen = [track(7, NOON_NS, CONFIRMED)];
+        node.opened();
+        node.heard(&[0xff; 10]);
+        assert!(node.take_discontent().is_some_and(|why| why.contains("no frames")));
+        assert_eq!((tracks(&mut node, &seen), node.dropped()), (vec![], 1));
+        node.opened();
+        assert!(matches!(tick(&mut node, NOW)[..], [Content::Registration(_)]), "it begins anew");
+        tick(&mut node, NOW + PATIENCE);
+        assert_eq!(node.take_discontent(), None);
+        tick(&mut node, NOW + PATIENCE + Duration::from_secs(1));
+        assert!(node.take_discontent().is_some_and(|why| why.contains("registration")));
+        assert_eq!(node.take_discontent(), None, "said once");
     }
 
     #[test]

@@ -107,6 +107,17 @@ impl Sweep {
         shift(self.time_ns, (angle_rad - self.beam_rad) / TAU * self.period_s)
     }
 
+    /// Unwrapped angle at which the beam has passed, or will pass, an azimuth at about a time; the rotation is taken to be uniform.
+    pub fn angle_at(&self, time_ns: u64, azimuth_rad: f64) -> f64 {
+        let about_rad = self.beam_rad + seconds_between(self.time_ns, time_ns) / self.period_s * TAU;
+        about_rad + angle::difference(azimuth_rad, about_rad)
+    }
+
+    /// Measurement time of the last message, ns UTC.
+    pub fn time_ns(&self) -> u64 {
+        self.time_ns
+    }
+
     /// Unwrapped angle of an azimuth in the last message: the turn nearest to what it covers.
     pub fn unwrap(&self, header: &PlotsHeader, azimuth_rad: f64) -> f64 {
         let middle = 0.5 * (header.covered_from_rad + header.covered_to_rad);

@@ -11,7 +11,7 @@ use super::machine::Machine;
 use super::mixture::Mixture;
 use super::propagate::{Before, Noise, propagate};
 use super::seam::Filter;
-use super::start::TwoPlots;
+use super::start::Origin;
 
 /// States that it knows: position and velocity.
 const KNOWN: usize = 6;
@@ -45,7 +45,7 @@ impl Filter for ConstantVelocity {
         self.noise.amplitude
     }
 
-    fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]) {
+    fn start(&self, from: &dyn Origin, state: &mut [f64]) {
         let gaussian = from.moving(self.noise);
         state[0] = 1.0;
         state[1..=KNOWN].copy_from_slice(&gaussian.mean[..KNOWN]);

@@ -55,4 +55,4 @@ pub use mixture::{Mixture, merge, most_probable};
 pub use moments::Moments;
 pub use prior::Prior;
 pub use seam::{Filter, Update};
-pub use start::TwoPlots;
+pub use start::{Followed, Origin, TwoPlots};

@@ -17,7 +17,7 @@ use super::lanes::{Lanes, V};
 
 /// Process noise of a component, and the dimension of space.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::filter) struct Noise {
+pub struct Noise {
     /// a of (T1): m/s, m/s² or m/s³.
     pub(in crate::filter) amplitude: f64,
     /// 3, or 2 for a radar without elevation: z and its derivatives then stay zero.

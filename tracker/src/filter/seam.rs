@@ -13,7 +13,7 @@ use super::layout::Layout;
 use super::machine::Machine;
 use super::mixture::{Mixture, merge};
 use super::prior::Prior;
-use super::start::TwoPlots;
+use super::start::Origin;
 
 /// What a scan makes of a group.
 #[derive(Debug)]
@@ -44,8 +44,21 @@ pub trait Filter: Debug + Send + Sync {
     /// Change of range rate in a second that a target which starts a track may make, m/s².
     fn greatest_acceleration_mps2(&self) -> f64;
 
-    /// Writes the state of a target of which two plots are known.
-    fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]);
+    /// Writes the state of a target of which two plots are known, or that has been followed before.
+    fn start(&self, from: &dyn Origin, state: &mut [f64]);
+
+    /// Gives a state that has just begun the probabilities of models that it had before, if they are the same models.
+    fn believe(&self, before: &Models, state: &mut [f64]) {
+        let layout = self.layout();
+        let own = self.models(Mixture::new(layout, state));
+        let same = own.count == layout.len()
+            && own.count == before.count
+            && own.kind == before.kind
+            && own.parameter.map(f64::to_bits) == before.parameter.map(f64::to_bits);
+        if same {
+            state[..own.count].copy_from_slice(&before.probability[..own.count]);
+        }
+    }
 
     /// Predicts the states in `lanes` lanes by the time of each lane, s.
     fn predict(&self, machine: Machine, lanes: usize, posterior: &Group, step_s: &Row, prediction: &mut Group);

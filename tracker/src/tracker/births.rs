@@ -193,7 +193,7 @@ pub(super) struct Births {
     /// What was found last, of the index.
     found: Vec<u32>,
     /// The state of a track that starts.
-    state: Vec<f64>,
+    pub(super) state: Vec<f64>,
 }
 
 impl Births {

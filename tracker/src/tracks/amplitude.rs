@@ -42,6 +42,17 @@ impl Amplitude {
         }
     }
 
+    /// Of a track that a tracker before has followed for `plots` plots and took to be of `snr_db`.
+    pub fn before(config: &TrackerConfig, detector: &Detector, snr_db: f64, plots: u32) -> Self {
+        let mut amplitude = Self::prior(config, detector);
+        if config.snr_prior_scans > 0.0 {
+            amplitude.scans = (amplitude.scans + f64::from(plots)).min(1.0 / (1.0 - FORGETTING));
+            amplitude.power = amplitude.scans * from_db(snr_db);
+            amplitude.renew_statistics(config, detector);
+        }
+        amplitude
+    }
+
     /// A plot of power `q`, one of those above `threshold`, that is the target's with probability `weight` (T19).
     pub fn learn(&mut self, q: f64, weight: f64, threshold: f64) {
         let keep = 1.0 - (1.0 - FORGETTING) * weight;

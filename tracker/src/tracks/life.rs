@@ -7,7 +7,7 @@
 //! (T18) is Mušicki, Evans & Stanković (1994) without rebirth: a target that was lost starts a new track.
 
 use common::config::{Logic, TrackerConfig};
-use common::tracks::{COASTING, CONFIRMED, TENTATIVE, TERMINATED};
+use common::tracks::{COASTING, CONFIRMED, TENTATIVE, TERMINATED, Track};
 
 /// Existence is kept this far from certainty, so that a lost target is given up in time.
 const SUREST: f64 = 1.0 - 1e-6;
@@ -42,6 +42,19 @@ impl Life {
     /// Of a track of two plots that an operator has asked for.
     pub fn confirmed(existence: f64) -> Self {
         Self { state: CONFIRMED, existence: existence.min(SUREST), started_at: existence, age: 2, hits: 2, misses: 0 }
+    }
+
+    /// Of a track that a tracker before has followed, as it has told.
+    pub fn before(track: &Track) -> Self {
+        let existence = track.existence.clamp(0.0, SUREST);
+        Self {
+            state: track.state_code,
+            existence,
+            started_at: existence,
+            age: track.age_scans,
+            hits: track.hits,
+            misses: track.misses,
+        }
     }
 
     /// Confirmed or coasting.

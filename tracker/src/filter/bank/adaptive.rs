@@ -16,7 +16,7 @@ use crate::filter::mixture::Mixture;
 use crate::filter::prior::Prior;
 use crate::filter::propagate::Noise;
 use crate::filter::seam::{Filter, Update};
-use crate::filter::start::TwoPlots;
+use crate::filter::start::Origin;
 
 /// Where a coordinate's numbers stand in its words: P and [w v m] of the bandwidth in use.
 const NOW: usize = 0;
@@ -130,7 +130,7 @@ impl Filter for AdaptiveBandwidth {
     }
 
     /// (T17) by coordinate, velocity wrong by up to a_max T/2.
-    fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]) {
+    fn start(&self, from: &dyn Origin, state: &mut [f64]) {
         let gaussian = from.moving(Noise { amplitude: 0.5 * self.greatest_mps2, axes: self.axes });
         state.fill(0.0);
         state[0] = 1.0;

@@ -21,7 +21,7 @@ use crate::filter::mixture::Mixture;
 use crate::filter::prior::Prior;
 use crate::filter::propagate::Noise;
 use crate::filter::seam::{Filter, Update};
-use crate::filter::start::TwoPlots;
+use crate::filter::start::Origin;
 
 /// Share of the probability that a prediction spreads alike over all hypotheses: a manoeuvre may begin. It widens what the association expects.
 const CHANGE: f64 = 0.25;
@@ -193,7 +193,7 @@ impl Filter for MultiAlternative {
     }
 
     /// (T17) by coordinate, velocity wrong by up to a_max T/2; all hypotheses alike.
-    fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]) {
+    fn start(&self, from: &dyn Origin, state: &mut [f64]) {
         let gaussian = from.moving(Noise { amplitude: 0.5 * self.greatest_mps2, axes: self.axes });
         let (own, q) = (self.sigma_mps2 * self.sigma_mps2, self.means.len());
         let between = self.means.iter().map(|mean| mean * mean).sum::<f64>() / q as f64;

@@ -22,7 +22,7 @@ use crate::filter::mixture::Mixture;
 use crate::filter::prior::Prior;
 use crate::filter::propagate::Noise;
 use crate::filter::seam::{Filter, Update};
-use crate::filter::start::TwoPlots;
+use crate::filter::start::Origin;
 
 pub(super) const PACKED: usize = packed(KNOWN);
 /// μ₀ of the model of least rate; the rest is shared alike.
@@ -103,7 +103,7 @@ impl Filter for Turn {
     }
 
     /// (T17) without the term of the noise, which the first prediction adds.
-    fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]) {
+    fn start(&self, from: &dyn Origin, state: &mut [f64]) {
         let gaussian = from.moving(Noise { amplitude: 0.0, axes: self.axes });
         let rates = self.grid.first();
         let straight = (1..rates.len()).fold(0, |best, j| if rates[j].abs() < rates[best].abs() { j } else { best });

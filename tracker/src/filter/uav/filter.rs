@@ -12,7 +12,7 @@ use crate::filter::machine::Machine;
 use crate::filter::mixture::Mixture;
 use crate::filter::propagate::Noise;
 use crate::filter::seam::Filter;
-use crate::filter::start::TwoPlots;
+use crate::filter::start::Origin;
 
 impl Filter for Uav {
     fn layout(&self) -> &Layout {
@@ -28,7 +28,7 @@ impl Filter for Uav {
     }
 
     /// (T17); the hover mode starts at rest.
-    fn start(&self, from: &TwoPlots<'_>, state: &mut [f64]) {
+    fn start(&self, from: &dyn Origin, state: &mut [f64]) {
         state[..MODES].copy_from_slice(&self.start_probability);
         for (mode, &n) in DIMENSIONS.iter().enumerate() {
             let noise = Noise { amplitude: self.noise[mode], axes: self.axes };
