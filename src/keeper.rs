@@ -84,7 +84,7 @@ struct Place {
     file: String,
     /// Identity of the run that a keeper which has died had written down.
     run: Option<String>,
-    /// The present tracker, and how many there have been: each numbers its tracks anew.
+    /// The present tracker, and how many there have been: each numbers its new tracks from further up.
     tracker_session: u64,
     tracker_starts: u64,
 }

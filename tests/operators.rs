@@ -187,12 +187,21 @@ fn a_tracker_that_is_started_again_keeps_the_zones_and_a_recorder_records_them_o
     signal(recorder as u32, "KILL");
     bench.wait_for("another recorder", |status| number(status, "recorder", "pid").filter(|&pid| pid != recorder));
     pass_scans(&bench, 8);
+    // The tracks from before the zone live on; no other begins, also when they are dropped.
+    for track in confirmed(address) {
+        assert!(track < 1_000_000, "{track}: {}", get(address, "/api/v1/events").body);
+        assert_eq!(
+            request(address, "DELETE", &format!("/api/v1/sites/small/tracks/{track}"), &Value::Null).status,
+            200
+        );
+    }
+    pass_scans(&bench, 8);
     assert_eq!(confirmed(address), BTreeSet::new(), "{}", get(address, "/api/v1/events").body);
     assert_eq!(request(address, "DELETE", &format!("{ZONES}/all"), &Value::Null).status, 200);
     wait_for_tracks(&bench, address, "two tracks", |tracks| tracks.len() == 2);
     running.stop();
     let zones: Vec<_> = actions(&bench.recordings().remove(0)).into_iter().map(|(kind, _)| kind).collect();
-    assert_eq!(zones, ["exclusion", "exclusion", "remove_zone"]);
+    assert_eq!(zones, ["exclusion", "exclusion", "drop", "drop", "remove_zone"]);
 }
 
 #[test]

@@ -357,6 +357,27 @@ mod tests {
     }
 
     proptest! {
+        /// However false plots are spread.
+        #[test]
+        fn no_ratio_is_greater_than_the_greatest(
+            kind in 0_usize..3, cells in 0_u32..40, snr_db in 3.0..30.0_f64, exponent in 2.0..8.0_f64,
+            above in 0.0..200.0_f64, mean_excess in 0.0..50.0_f64, outliers in 0.0..1.0_f64,
+        ) {
+            let detector = Detector::new(10.0_f64.powf(-exponent), cells);
+            let q = detector.threshold + above;
+            for target in [
+                detector.target_within(ALL[kind], snr_db, 6.0),
+                detector.target_of_unknown_power(ALL[kind], snr_db),
+            ] {
+                let greatest = target.greatest_likelihood_ratio(q);
+                for (mean_excess, outliers) in [(0.0, 0.0), (mean_excess, 0.0), (0.0, outliers), (mean_excess, outliers)] {
+                    let ratio = target.likelihood_ratio_among(q, FalsePower { mean_excess, outliers });
+                    prop_assert!(ratio <= greatest, "{ratio} > {greatest}: {mean_excess} {outliers}");
+                }
+                prop_assert!(greatest < 10.0 * target.likelihood_ratio(q) + 10.0 * GLINTS * q.exp(), "of no use: {greatest}");
+            }
+        }
+
         #[test]
         fn nothing_overflows(
             snr_db in -20.0..50.0_f64,

@@ -359,12 +359,22 @@ pub struct TracksHeader {
     /// SAC (high byte) and SIC (low byte) of the radar.
     pub source_id: u32,
     /// Always 0: no undefined bytes.
-    pub reserved: [u32; 11],
+    pub reserved: u32,
+    /// Session whose track numbers these go on with: that of a tracker before, whose tracks this one has taken over; 0: its own.
+    pub continued_session: u64,
+    /// Always 0: no undefined bytes.
+    pub reserved_too: [u32; 8],
 }
 
 const _: () = assert!(size_of::<TracksHeader>() == 192 && align_of::<TracksHeader>() == 64);
 
 impl TracksHeader {
+    /// Session that a track number belongs to: the same number in the same numbering is the same track, also after the tracker has
+    /// been started again.
+    pub fn numbering(&self) -> u64 {
+        if self.continued_session == 0 { self.session } else { self.continued_session }
+    }
+
     /// Whether one of the flags of [`crate::message`] is set.
     pub fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
@@ -390,7 +400,7 @@ impl Header for TracksHeader {
     }
 
     fn make_comparable(&mut self) {
-        (self.session, self.stamps) = (0, Stamps::default());
+        (self.session, self.continued_session, self.stamps) = (0, 0, Stamps::default());
         self.lineage.make_comparable();
     }
 }

@@ -37,7 +37,7 @@ pub(crate) struct Feed {
     /// Measurement time up to which its tracks are there, ns UTC.
     tracks_ns: Option<u64>,
     truth_ns: u64,
-    session: u64,
+    numbering: u64,
     /// Measurement time of its first tracks, ns UTC.
     first_ns: Option<u64>,
     opened: Instant,
@@ -64,7 +64,7 @@ impl Feed {
             is_simulated: site.run.source == Source::RadarSim,
             tracks_ns: None,
             truth_ns: 0,
-            session: 0,
+            numbering: 0,
             first_ns: None,
             opened: Instant::now(),
             heard: Instant::now(),
@@ -82,11 +82,11 @@ impl Feed {
             && let Some(message) = self.tracks.receive()?
         {
             let header = message.header();
-            if self.session != 0 && header.session != self.session {
+            if self.numbering != 0 && header.numbering() != self.numbering {
                 warn!("site {}: its tracker has begun anew, its tracks have new numbers", self.name);
                 fusion.forget(site);
             }
-            self.session = header.session;
+            self.numbering = header.numbering();
             self.heard = Instant::now();
             self.tracks_ns = Some(header.time_ns);
             self.first_ns.get_or_insert(header.time_ns);

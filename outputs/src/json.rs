@@ -17,7 +17,7 @@ pub struct TrackLine<'a> {
     /// What operators call it.
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<&'a str>,
-    /// Start of the tracker.
+    /// Start of the tracker, or of the one before whose tracks it goes on with.
     session: u64,
     /// Time of the state, RFC 3339, UTC.
     time: String,

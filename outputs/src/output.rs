@@ -104,7 +104,7 @@ impl Output {
         let shift_ns = self.shift_ns(header.time_ns);
         let Some((site, roster)) = &mut self.sites[site] else { return };
         let mut targets = Vec::with_capacity(tracks.len());
-        roster.targets(site, header.session, tracks, shift_ns, &mut targets);
+        roster.targets(site, header.numbering(), tracks, shift_ns, &mut targets);
         let update = Update {
             site,
             time_ns: header.time_ns.saturating_add_signed(shift_ns),

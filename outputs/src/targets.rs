@@ -65,7 +65,7 @@ pub fn units(sites: &[ChainConfig]) -> Vec<u8> {
 pub struct Target<'a> {
     /// The track.
     pub track: &'a Track,
-    /// Session of the tracker: with it, the number of the track is of this track only.
+    /// Session of the numbers ([`TracksHeader::numbering`](common::tracks::TracksHeader::numbering)): with it, a number is of one track only.
     pub session: u64,
     /// Time of the state, ns UTC, shifted where times are.
     pub time_ns: u64,

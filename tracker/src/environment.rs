@@ -2,13 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use common::amplitude::{Detector, NoiseEstimate, TargetStatistics};
+use common::amplitude::{Detector, FalsePower, NoiseEstimate, TargetStatistics};
 use common::config::TrackerConfig;
 use common::plots::PlotsHeader;
 
 use crate::association::clutter_map::{ClutterMap, OwnPlots};
 use crate::association::joint::Claimant;
 use crate::association::{FalsePlots, Surroundings};
+use crate::constants::LEAST_EXISTENCE;
 use crate::filter::{Filter, Machine, family};
 use crate::plots::false_alarms::FalseAlarmCount;
 use crate::plots::measurement::Measurement;
@@ -106,17 +107,20 @@ impl Environment {
         config: &TrackerConfig,
     ) -> f64 {
         let clutter = self.clutter.in_scan(turn, own);
-        let evidence = |plot: &Measurement| {
-            let here = clutter(plot);
-            let ratio = if plot.has_power && self.threshold_is_known {
-                self.start_target.likelihood_ratio_among(plot.power, here.power)
-            } else {
-                1.0
-            };
-            ratio / (here.density * self.clutter.cell_volume(plot))
-        };
+        let [last_among, previous_among] = [last, previous].map(clutter);
         let cells = self.limits.cells(last, step_s, &self.radar);
-        let odds = (config.start_density * evidence(last) * evidence(previous) / cells).min(1e12);
+        let odds = |ratio: &dyn Fn(&Measurement, FalsePower) -> f64| {
+            let evidence = |plot: &Measurement, among: FalsePlots| {
+                let ratio = if plot.has_power && self.threshold_is_known { ratio(plot, among.power) } else { 1.0 };
+                ratio / (among.density * self.clutter.cell_volume(plot))
+            };
+            config.start_density * evidence(last, last_among) * evidence(previous, previous_among) / cells
+        };
+        // Nearly all pairs are of false plots, and a glance tells.
+        if odds(&|plot, _| self.start_target.greatest_likelihood_ratio(plot.power)) < LEAST_EXISTENCE {
+            return 0.0;
+        }
+        let odds = odds(&|plot, among| self.start_target.likelihood_ratio_among(plot.power, among)).min(1e12);
         (odds / (1.0 + odds)).min(config.start_existence)
     }
 

@@ -1,210 +1,284 @@
-//! The last `tracks` messages of a site in files of its domain: a tracker that is started again goes on with the tracks of the one before.
+//! The last `tracks` messages of a site in shared memory: a tracker that is started again goes on with the tracks of the one before (ADR 0029).
 //!
-//! Three files take turns, one turn of the beam each, so that the last two whole turns are at hand: a track is told of once in about one. Each
-//! begins with the version of the messages and a number that grows from file to file; then follow the messages as recordings hold them, each
-//! after its length. What a kill has cut off is not read.
+//! Three files take turns, one for each turn of the beam, and are written over: no disk is waited for, and no memory is freed or taken once
+//! they have their size. They hold messages as recordings do, without tentative tracks:
+//!
+//! ```text
+//! length | turn | its mark | trackers that have begun since a whole turn | session of the numbers | message
+//! ```
+//!
+//! A head is written after its message, and messages of an earlier turn have another mark, so that what a kill has cut off is not read.
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::os::unix::fs::FileExt;
+use std::path::PathBuf;
 
+use common::config::ChainConfig;
+use common::ipc::Domain;
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::messages::{Message, RecordedRef, Tracks};
-use common::process::tell;
+use common::process::{say, tell};
 use common::recording::container::{decode, encode};
 use common::tracks::{TERMINATED, Track, TracksHeader};
 
-/// Files that take turns.
-const FILES: u64 = 3;
+/// Files that take turns: the last two turns are whole.
+const FILES: usize = 3;
+/// Words of a head, and octets.
+const WORDS: usize = 5;
+const HEAD: usize = WORDS * size_of::<u64>();
+/// A turn is taken to be over when its file has so many octets.
+const LONGEST: u64 = 16 << 20;
+/// So many trackers may begin with the same tracks. If they all die before a turn is over, it may be for these.
+const TRIES: u64 = 3;
+/// Spreads numbers of turns: no mark is found in a message by chance.
+const SPREAD: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// What a tracker begins with.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Before {
+    /// What was last published of each confirmed track that was alive, by number.
+    pub(crate) tracks: Vec<Track>,
+    /// The session whose numbers they have, as [`TracksHeader::continued_session`]; 0 without tracks.
+    pub(crate) continued_session: u64,
+}
 
 /// The files of a site.
 pub(crate) struct LastTracks {
-    /// Of all of them but for a number.
-    stem: PathBuf,
+    paths: [PathBuf; FILES],
+    /// Open while they can be written.
+    files: Vec<File>,
     turn: u64,
-    /// That of this turn; none where it could not be written.
-    file: Option<File>,
+    /// Octets of the turn so far.
+    length: u64,
+    /// Trackers that have begun since a turn was whole, this one among them.
+    begun: u64,
+    kept: Vec<Track>,
     room: Vec<u8>,
 }
 
 impl LastTracks {
-    /// Those of a site, in the folder of the domain.
-    pub(crate) fn of(folder: &Path, site: &str) -> Self {
-        Self { stem: folder.join(format!("{site}-tracks.0")), turn: 0, file: None, room: Vec::new() }
+    /// Those of the site of `chain`, in the shared memory of its domain.
+    pub(crate) fn of(chain: &ChainConfig) -> Self {
+        let path = |place: usize| Domain::memory_file(&chain.ipc, &format!("{}-tracks.{place}", chain.site.name));
+        Self::at(std::array::from_fn(path))
     }
 
-    /// Begins with the tracks of the tracker before, by number, of each what was last told; none where no tracker has been.
-    pub(crate) fn begin(&mut self) -> Vec<Track> {
-        let before = self.read();
-        self.forget();
-        self.open();
-        self.append(&TracksHeader::default(), &before);
-        match before.iter().filter(|track| track.is_confirmed()).count() {
-            0 => {}
-            confirmed => tell(&format!("tracker goes on with {confirmed} confirmed tracks of the one before")),
+    fn at(paths: [PathBuf; FILES]) -> Self {
+        Self { paths, files: Vec::new(), turn: 0, length: 0, begun: 1, kept: Vec::new(), room: Vec::new() }
+    }
+
+    /// Begins with the tracks of the tracker before whose numbers are lower than `first`: those of this tracker must be others.
+    pub(crate) fn begin(&mut self, first: u64) -> Before {
+        let mut turns: Vec<Vec<Kept>> = self.paths.iter().map(read).collect();
+        turns.sort_by_key(|turn| turn.first().map(|kept| kept.turn));
+        let (mut before, mut alive) = (Before::default(), BTreeMap::new());
+        for kept in turns.into_iter().flatten() {
+            (self.begun, before.continued_session) = (kept.begun + 1, kept.numbering);
+            for track in kept.tracks {
+                match track.state_code {
+                    TERMINATED => drop(alive.remove(&track.id)),
+                    _ => drop(alive.insert(track.id, track)),
+                }
+            }
         }
+        alive.retain(|id, _| *id < first);
+        if self.begun > TRIES {
+            say(&format!(
+                "tracker: {TRIES} trackers have died with the tracks that they went on with: beginning without them"
+            ));
+            (self.begun, alive) = (1, BTreeMap::new());
+        }
+        if let confirmed @ 1.. = alive.len() {
+            tell(&format!("tracker goes on with {confirmed} confirmed tracks of the one before"));
+            before.tracks = alive.into_values().collect();
+        } else {
+            before = Before::default();
+        }
+        match self.paths.iter().map(File::create).collect() {
+            Ok(files) => self.files = files,
+            Err(error) => self.give_up(&error),
+        }
+        let header = TracksHeader { session: before.continued_session, ..TracksHeader::default() };
+        self.append(&header, &before.tracks);
         before
     }
 
-    /// Keeps a message.
+    /// Keeps a message that has been published.
     pub(crate) fn keep(&mut self, header: &TracksHeader, tracks: &[Track]) {
         self.append(header, tracks);
         if header.has(END_OF_STREAM) {
             self.forget();
-        } else if header.has(END_OF_SCAN) && self.file.is_some() {
-            self.turn += 1;
-            self.open();
+        } else if self.length > LONGEST || header.has(END_OF_SCAN) && self.length > 0 {
+            (self.turn, self.length) = (self.turn + 1, 0);
+            self.begun = if self.turn > 1 { 0 } else { self.begun }; // the first may be a part of one
         }
     }
 
-    fn read(&self) -> Vec<Track> {
-        let mut turns: Vec<(u64, Vec<u8>)> = (0..FILES).filter_map(|place| turn_of(&self.path(place))).collect();
-        turns.sort_unstable_by_key(|(turn, _)| *turn);
-        let mut alive = BTreeMap::new();
-        for track in turns.iter().flat_map(|(_, messages)| tracks_of(messages)) {
-            match track.state_code {
-                TERMINATED => drop(alive.remove(&track.id)),
-                _ => drop(alive.insert(track.id, track)),
-            }
-        }
-        alive.into_values().collect()
-    }
-
-    /// A full disk is no reason to track no more.
+    /// No room is no reason to track no more.
     fn append(&mut self, header: &TracksHeader, tracks: &[Track]) {
-        let Some(file) = self.file.as_mut().filter(|_| !tracks.is_empty()) else { return };
+        let is_kept = |track: &&Track| track.is_confirmed() || track.state_code == TERMINATED;
+        self.kept.clear();
+        self.kept.extend(tracks.iter().filter(is_kept));
+        let Some(file) = self.files.get((self.turn % FILES as u64) as usize).filter(|_| !self.kept.is_empty()) else {
+            return;
+        };
         self.room.clear();
-        self.room.extend([0; size_of::<u32>()]);
-        let encoded = encode(RecordedRef::Tracks(header, tracks), &mut self.room).map_err(io::Error::other);
-        let length = (self.room.len() - size_of::<u32>()) as u32;
-        self.room[..size_of::<u32>()].copy_from_slice(&length.to_le_bytes());
-        if let Err(error) = encoded.and_then(|()| file.write_all(&self.room)) {
-            self.give_up(&error);
+        let encoded = encode(RecordedRef::Tracks(header, &self.kept), &mut self.room).map_err(io::Error::other);
+        let words: [u64; WORDS] = [self.room.len() as u64, self.turn, mark(self.turn), self.begun, header.numbering()];
+        let head: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        let written = encoded
+            .and_then(|()| file.write_all_at(&self.room, self.length + HEAD as u64))
+            .and_then(|()| file.write_all_at(&head, self.length));
+        match written {
+            Ok(()) => self.length += (HEAD + self.room.len()) as u64,
+            Err(error) => self.give_up(&error),
         }
     }
 
     /// Removes the files.
     fn forget(&mut self) {
-        self.file = None;
-        for place in 0..FILES {
-            let _ = std::fs::remove_file(self.path(place)); // there may be none
-        }
-    }
-
-    fn open(&mut self) {
-        let opened = File::create(self.path(self.turn % FILES)).and_then(|mut file| {
-            file.write_all(&start(self.turn))?;
-            Ok(file)
-        });
-        match opened {
-            Ok(file) => self.file = Some(file),
-            Err(error) => self.give_up(&error),
+        self.files.clear();
+        for path in &self.paths {
+            let _ = std::fs::remove_file(path); // there may be none
         }
     }
 
     fn give_up(&mut self, error: &io::Error) {
         self.forget();
-        let stem = self.stem.display();
-        tracing::warn!("{stem}: {error}: a tracker that is started again will not have the tracks");
-    }
-
-    fn path(&self, place: u64) -> PathBuf {
-        self.stem.with_extension(place.to_string())
+        let path = self.paths[0].display();
+        tracing::warn!("{path}: {error}: a tracker that is started again will not have the tracks");
     }
 }
 
-/// How the file of a turn begins.
-fn start(turn: u64) -> Vec<u8> {
-    [Tracks::SCHEMA.as_bytes(), &turn.to_le_bytes()].concat()
+/// How messages of a turn are marked, by this version of the messages.
+fn mark(turn: u64) -> u64 {
+    let version = Tracks::SCHEMA.bytes().fold(0, |hash: u64, octet| (hash ^ u64::from(octet)).wrapping_mul(SPREAD));
+    version ^ turn.wrapping_add(1).wrapping_mul(SPREAD)
 }
 
-/// The number of the turn in a file, and its messages; `None` of a file of another version.
-fn turn_of(path: &Path) -> Option<(u64, Vec<u8>)> {
-    let content = std::fs::read(path).ok()?;
-    let (turn, messages) = content.strip_prefix(Tracks::SCHEMA.as_bytes())?.split_first_chunk()?;
-    Some((u64::from_le_bytes(*turn), messages.to_vec()))
+/// A message as it was kept.
+struct Kept {
+    turn: u64,
+    begun: u64,
+    numbering: u64,
+    tracks: Vec<Track>,
 }
 
-/// The tracks of the whole messages.
-fn tracks_of(mut messages: &[u8]) -> impl Iterator<Item = Track> {
-    let next = move || {
-        let (length, rest) = messages.split_first_chunk()?;
-        let (message, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
-        messages = rest;
-        decode::<Tracks>(message).ok().map(|(_, tracks)| tracks)
-    };
-    std::iter::from_fn(next).flatten()
+/// The whole messages of the turn that a file begins with; none of another version.
+fn read(path: &PathBuf) -> Vec<Kept> {
+    let content = std::fs::read(path).unwrap_or_default();
+    let (mut rest, mut messages) = (&content[..], Vec::<Kept>::new());
+    while let Some((head, after)) = rest.split_first_chunk::<HEAD>() {
+        let word =
+            |place: usize| u64::from_le_bytes(std::array::from_fn(|octet| head[size_of::<u64>() * place + octet]));
+        let [length, turn, marked, begun, numbering]: [u64; WORDS] = std::array::from_fn(word);
+        let goes_on = marked == mark(turn) && messages.first().is_none_or(|first| first.turn == turn);
+        let Some((message, after)) = after.split_at_checked(length as usize).filter(|_| goes_on) else { break };
+        let Ok((_, tracks)) = decode::<Tracks>(message) else { break };
+        messages.push(Kept { turn, begun, numbering, tracks });
+        rest = after;
+    }
+    messages
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use common::tracks::CONFIRMED;
+    use tempfile::TempDir;
+
+    /// Number of the first track of a tracker that is started again.
+    const NEXT: u64 = 1000;
+
+    fn files(folder: &TempDir) -> LastTracks {
+        LastTracks::at(std::array::from_fn(|place| folder.path().join(place.to_string())))
+    }
 
     fn track(id: u64, time_ns: u64, state_code: u32) -> Track {
         Track { id, time_ns, state_code, ..Track::EMPTY }
     }
 
-    fn ids(tracks: &[Track]) -> Vec<(u64, u64)> {
-        tracks.iter().map(|track| (track.id, track.time_ns)).collect()
+    fn header(session: u64, flags: u32) -> TracksHeader {
+        TracksHeader { session, flags, ..TracksHeader::default() }
     }
 
-    /// Of a sector, with these flags.
-    fn header(flags: u32) -> TracksHeader {
-        TracksHeader { flags, ..TracksHeader::default() }
+    fn ids(before: &Before) -> Vec<(u64, u64)> {
+        before.tracks.iter().map(|track| (track.id, track.time_ns)).collect()
     }
 
     #[test]
     fn the_last_message_of_each_living_track_is_read_back() {
         let folder = tempfile::tempdir().expect("a folder");
-        let of = |site: &str| LastTracks::of(folder.path(), site);
-        let mut kept = of("north");
-        assert!(kept.begin().is_empty());
-        for turn in 0..6 {
-            let second = if turn == 5 { TERMINATED } else { CONFIRMED };
-            kept.keep(&header(0), &[track(1, turn, CONFIRMED), track(2, turn, second)]);
-            // The tracker is killed in the middle of the sixth turn.
-            kept.keep(&header(if turn == 5 { 0 } else { END_OF_SCAN }), &[track(3 + turn, turn, CONFIRMED)]);
+        let mut kept = files(&folder);
+        assert_eq!(kept.begin(1), Before::default());
+        for turn in 0..8 {
+            let second = if turn == 7 { TERMINATED } else { CONFIRMED };
+            kept.keep(&header(5, 0), &[track(1, turn, CONFIRMED), track(2, turn, second), track(9, turn, 0)]);
+            // The tracker is killed in the middle of a turn.
+            kept.keep(&header(5, if turn == 7 { 0 } else { END_OF_SCAN }), &[track(20 + turn, turn, CONFIRMED)]);
         }
-        // Two whole turns and what there is of the last; track 2 has ended.
-        let expected = [(1, 5), (6, 3), (7, 4), (8, 5)];
-        assert!(of("south").read().is_empty());
-        let mut next = of("north");
-        assert_eq!(ids(&next.begin()), expected);
+        // Two whole turns and what there is of the last; track 2 has ended, and one has a number that the next tracker will give.
+        let expected = [(1, 7), (25, 5), (26, 6)];
+        let before = files(&folder).begin(27);
+        assert_eq!((ids(&before), before.continued_session), (expected.to_vec(), 5));
         // That one dies at once: what it has taken over is still there.
-        let mut last = of("north");
-        assert_eq!(ids(&last.begin()), expected);
-        last.keep(&header(END_OF_SCAN | END_OF_STREAM), &[track(1, 9, CONFIRMED)]);
+        let mut last = files(&folder);
+        assert_eq!(last.begin(NEXT), before);
+        last.keep(&header(6, END_OF_SCAN | END_OF_STREAM), &[track(1, 9, CONFIRMED)]);
         assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 0, "the stream has ended");
+    }
+
+    #[test]
+    fn tracks_that_three_trackers_have_died_with_are_left() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut kept = files(&folder);
+        kept.begin(1);
+        let live = |kept: &mut LastTracks, turns: u64| {
+            (0..turns).for_each(|turn| kept.keep(&header(5, END_OF_SCAN), &[track(1, turn, CONFIRMED)]));
+        };
+        live(&mut kept, 4);
+        for try_of in 1..=3 {
+            let mut next = files(&folder);
+            assert_eq!(next.begin(NEXT).tracks.len(), 1, "{try_of}");
+            live(&mut next, 1);
+        }
+        assert_eq!(files(&folder).begin(NEXT), Before::default());
+        // One that lives ends the count.
+        let mut next = files(&folder);
+        next.begin(NEXT);
+        live(&mut next, 4);
+        assert_eq!(files(&folder).begin(NEXT).tracks.len(), 1);
     }
 
     #[test]
     fn what_is_cut_off_or_of_another_version_is_not_read() {
         let folder = tempfile::tempdir().expect("a folder");
-        let mut kept = LastTracks::of(folder.path(), "north");
-        kept.begin();
-        kept.keep(&header(0), &[track(1, 1, CONFIRMED)]);
-        let whole = std::fs::metadata(kept.path(0)).expect("a file").len();
-        kept.keep(&header(0), &[track(1, 2, CONFIRMED), track(2, 2, CONFIRMED)]);
-        let all = std::fs::read(kept.path(0)).expect("a file");
+        let mut kept = files(&folder);
+        kept.begin(1);
+        kept.keep(&header(5, 0), &[track(1, 1, CONFIRMED)]);
+        let whole = kept.length as usize;
+        kept.keep(&header(5, 0), &[track(1, 2, CONFIRMED), track(2, 2, CONFIRMED)]);
+        let all = std::fs::read(&kept.paths[0]).expect("a file");
         for length in 0..all.len() {
-            std::fs::write(kept.path(0), &all[..length]).expect("written");
-            let expected: &[(u64, u64)] = if (length as u64) < whole { &[] } else { &[(1, 1)] };
-            assert_eq!(ids(&kept.read()), expected, "{length} of {} bytes", all.len());
+            std::fs::write(&kept.paths[0], &all[..length]).expect("written");
+            let found: usize = read(&kept.paths[0]).iter().map(|kept| kept.tracks.len()).sum();
+            assert_eq!(found, usize::from(length >= whole), "{length} of {} octets", all.len());
         }
-        let mut other = all;
-        other[0] ^= 1;
-        std::fs::write(kept.path(0), other).expect("written");
-        assert!(kept.read().is_empty());
+        for octet in 8..24 {
+            let mut other = all.clone();
+            other[octet] ^= 1;
+            std::fs::write(&kept.paths[0], other).expect("written");
+            assert!(read(&kept.paths[0]).is_empty(), "another turn, or another version");
+        }
     }
 
     #[test]
     fn a_folder_that_cannot_be_written_stops_nothing() {
-        let mut kept = LastTracks::of(Path::new("/nonexistent"), "north");
-        assert!(kept.begin().is_empty());
-        kept.keep(&header(0), &[track(1, 1, CONFIRMED)]);
-        kept.keep(&header(END_OF_SCAN), &[track(1, 1, CONFIRMED)]);
-        assert!(kept.begin().is_empty());
+        let mut kept = LastTracks::at(std::array::from_fn(|place| PathBuf::from(format!("/nonexistent/{place}"))));
+        assert_eq!(kept.begin(1), Before::default());
+        kept.keep(&header(5, END_OF_SCAN), &[track(1, 1, CONFIRMED)]);
+        assert_eq!(kept.begin(1), Before::default());
     }
 }

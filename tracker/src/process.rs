@@ -16,7 +16,7 @@ use common::time::monotonic_ns;
 use common::topic::Topic;
 use common::tracks::{MAX_TRACKS, Track, TracksHeader};
 
-use crate::last_tracks::LastTracks;
+use crate::last_tracks::{Before, LastTracks};
 use crate::orders::Orders;
 use crate::zones::ZonesFile;
 use crate::{Processed, Tracker};
@@ -40,10 +40,10 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     let maps = station.publisher::<ClutterMap>(ClutterMap::MOST)?;
     let wakes = [station.wake(Topic::Plots)?, station.wake(Topic::Commands)?];
     let (plots, commands) = (station.subscriber::<Plots>()?, station.subscriber::<Commands>()?);
-    let folder = Domain::root(&chain.ipc);
-    let zones = ZonesFile::of(&folder, &chain.site.name);
-    let mut last_tracks = LastTracks::of(&folder, &chain.site.name);
-    tracker.take_over(last_tracks.begin());
+    let zones = ZonesFile::of(&Domain::root(&chain.ipc), &chain.site.name);
+    let mut last_tracks = LastTracks::of(&chain);
+    let Before { tracks: before, continued_session } = last_tracks.begin(chain.run.first_track);
+    tracker.take_over(before);
     let mut orders = Orders::default();
     zones.read().into_iter().for_each(|zone| orders.take(zone));
     let session = new_session();
@@ -78,8 +78,8 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             let processed = tracker.process_plots(message.header(), message.elements(), &mut tracks);
             let mut header = header_of(message.header(), &processed, reporter.health.messages_out, received_ns);
             keep_what_fits(&mut tracks, &mut header);
+            (header.session, header.continued_session) = (session, continued_session);
             let published = publisher.publish(&header, &tracks, |header| {
-                header.session = session;
                 header.stamps.tracks_out_ns = monotonic_ns();
             });
             published.context("publishing tracks")?;

@@ -142,7 +142,7 @@ impl Tracker {
             _ => Environment::new(header, &self.config, self.machine),
         };
         environment.turn_in(header.scan_period_s, &self.config);
-        self.go_on(&environment);
+        self.go_on(&environment, tracks);
         environment.false_alarms.test(header, environment.radar.dimensions());
         for (index, plot) in plots.iter().enumerate() {
             if let Err(reason) = self.store(header, index, plot) {
@@ -165,6 +165,9 @@ impl Tracker {
 
     /// Carries out what an operator asks, before the next plots; one of the outcomes of [`common::commands`].
     pub fn carry_out(&mut self, command: &Command) -> u32 {
+        if let Some(outcome) = self.carry_out_before(command) {
+            return outcome;
+        }
         let place = self.tracks.alive().find(|&place| self.tracks[place].id == command.track_id);
         self.operator.carry_out(command, place.map(|place| self.tracks.handle(place)))
     }

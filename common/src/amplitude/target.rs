@@ -12,6 +12,9 @@ pub const MAX_RATIO: f64 = 1e250;
 /// ζ: share of a target's plots that may be of any strength.
 pub(super) const GLINTS: f64 = 0.05;
 
+/// By how much sums of a few logarithms may be off.
+const ROUNDING: f64 = 1e-9;
+
 /// Signal-to-noise ratios over which an unknown one is averaged.
 pub(super) const SNR_POINTS: usize = 5;
 
@@ -144,6 +147,16 @@ impl TargetStatistics {
         let false_plots = ln_noise.exp().max(clutter).max(outliers * any_strength);
         let target = (1.0 - GLINTS) * (ln_ratio + ln_noise).exp() + GLINTS * any_strength;
         (target / false_plots).min(1.0 / outliers)
+    }
+
+    /// At least λ(q), whatever the false plots are like, and quickly: the likeliest signal-to-noise ratio stands for all, and false plots are
+    /// those of noise, the fewest there are.
+    pub fn greatest_likelihood_ratio(&self, q: f64) -> f64 {
+        let points = (0..self.points).map(|point| self.ln_ratio_at(q, point));
+        let target = (points.fold(f64::NEG_INFINITY, f64::max) + self.ln_scale + ROUNDING).exp();
+        let ln_noise = self.detector.gamma_1(q, 1.0).ln_density - self.detector.pfa.ln();
+        let glints = if q > 0.0 { GLINTS / (q * LN_OUTLIERS) * (-ln_noise).exp() } else { 0.0 };
+        target + glints
     }
 
     /// Swerling 0: D = Σ_k Poisson(k; S) P(I ≤ k), where I counts the noise events before the

@@ -1,7 +1,7 @@
 //! A shared-memory domain: chains with different prefixes do not see each other.
 
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use iceoryx2::node::NodeView;
@@ -112,6 +112,11 @@ impl Domain {
         let folder = Self::root(ipc);
         let number = fnv1a(0, folder.as_os_str().as_encoded_bytes());
         format!("{}.rc_{:08x}_", ipc.prefix, number >> 32)
+    }
+
+    /// A file of the domain in shared memory: written without a disk, and gone with the domain.
+    pub fn memory_file(ipc: &IpcConfig, name: &str) -> PathBuf {
+        Path::new(SHARED_MEMORY).join(Self::file_prefix(ipc) + name)
     }
 
     /// The iceoryx2 configuration of the domain.

@@ -95,7 +95,7 @@ impl SitePicture {
 
     /// Notes the tracks of a sector; those that have ended without a word.
     pub(super) fn take_tracks(&mut self, header: &TracksHeader, tracks: &[Track], taken_ns: u64) -> Vec<Track> {
-        let of_another = self.tracks_header.is_some_and(|(last, _)| last.session != header.session);
+        let of_another = self.tracks_header.is_some_and(|(last, _)| last.numbering() != header.numbering());
         let mut gone = if of_another { self.forget_tracks() } else { Vec::new() };
         self.tracks_header = Some((*header, taken_ns));
         for track in tracks {

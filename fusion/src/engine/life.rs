@@ -45,7 +45,7 @@ impl Fusion {
         self.free_locals.push(place);
     }
 
-    /// Ends all tracks of a site: its tracker has begun anew, with other numbers.
+    /// Ends all tracks of a site: its tracker has begun anew, with other tracks.
     pub fn forget(&mut self, site: usize) {
         let mut places: Vec<u32> = self.sites[site].by_id.values().copied().collect();
         places.sort_unstable(); // so that places are free in an order that does not depend on the hash

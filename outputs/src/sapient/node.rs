@@ -183,7 +183,6 @@ impl EdgeNode {
     /// Wants another connection: on this one nothing will be agreed any more.
     fn leave(&mut self, why: String) {
         self.standing = Standing::Apart;
-        self.incoming.clear();
         self.discontent = Some(why);
     }
 
@@ -260,6 +259,9 @@ impl Format for EdgeNode {
     }
 
     fn heard(&mut self, octets: &[u8]) {
+        if self.standing == Standing::Apart {
+            return; // of a connection that has been given up
+        }
         for message in self.incoming.take(octets) {
             match message {
                 Ok(message) => message.content.into_iter().for_each(|content| self.answer(content)),

@@ -51,7 +51,7 @@ pub(super) struct Paths {
     /// Where the radar stands.
     pub(super) radar: Position,
     frame: LocalFrame,
-    /// By session of the publisher and number of the target.
+    /// By session of the numbers and number of the target.
     by_target: BTreeMap<(u64, u64), Path>,
 }
 
@@ -77,7 +77,7 @@ impl Paths {
         match message {
             RecordedRef::Tracks(header, tracks) => {
                 let confirmed = tracks.iter().filter(|track| track.is_confirmed());
-                confirmed.map(|track| self.take_track(header.session, track)).sum()
+                confirmed.map(|track| self.take_track(header.numbering(), track)).sum()
             }
             RecordedRef::Truth(_, targets) => targets.iter().map(|target| self.take_truth(target)).sum(),
             _ => 0,

@@ -19,32 +19,40 @@ const CROWD: usize = 8;
 /// Cells of azimuth that it is looked for in.
 const BEAM_CELLS: f64 = 3.0;
 
-/// Marks plots with the crowd about them, plots per cell: those from the `first` on, at rising `angles_rad`, and those beside it.
-pub(super) fn mark(angles_rad: &[f64], plots: &mut [Measurement], first: usize, radar: &Radar) {
+/// Marks plots with the crowd about them, plots per cell: those from the `first` on, at rising `angles_rad`, and those beside it. `azimuths` is
+/// room for the azimuth cells of plots.
+pub(super) fn mark(
+    angles_rad: &[f64],
+    plots: &mut [Measurement],
+    first: usize,
+    radar: &Radar,
+    azimuths: &mut Vec<f64>,
+) {
     let (Some(&angle_rad), Some(&newest_rad)) = (angles_rad.get(first), angles_rad.last()) else { return };
     let turn = plots.len() - angles_rad.partition_point(|angle| *angle < newest_rad - TAU);
     let usual = (turn as f64 * BEAM_CELLS * radar.cell[1] / TAU).max(FEW as f64);
     let cell_of = |angle_rad: f64| (angle_rad / radar.cell[1]).floor();
-    // The first plot of an azimuth cell.
-    let start_of = |cell: f64| angles_rad.partition_point(|angle| cell_of(*angle) < cell);
-    let mut cell = cell_of(angle_rad) - 1.0;
-    let (mut before, mut here, mut next) = (start_of(cell - 1.0), start_of(cell), start_of(cell + 1.0));
+    let first_cell = cell_of(angle_rad);
+    // What lies beside the cells that are marked, from two cells before the first plot on.
+    let begin = angles_rad.partition_point(|angle| cell_of(*angle) < first_cell - 2.0);
+    let plots = &mut plots[begin..];
+    azimuths.clear();
+    azimuths.extend(angles_rad[begin..].iter().map(|angle| cell_of(*angle)));
+    let mut here = azimuths.partition_point(|cell| *cell < first_cell - 1.0);
+    let (mut before, mut after) = (0, here);
     // An angle so large that cells cannot be told apart has none.
-    while here < plots.len() && cell + 1.0 > cell {
-        let after = next + angles_rad[next..].partition_point(|angle| cell_of(*angle) < cell + 2.0);
-        let beam = before..after;
-        let excess = beam.len() as f64 - usual;
-        let crowd = if beam.len() < CROWD || excess <= 0.0 { 0.0 } else { excess / cells(&plots[beam], radar) };
+    while let Some(&cell) = azimuths.get(here).filter(|cell| **cell + 1.0 > **cell) {
+        let passed = |from: usize, limit: f64| from + azimuths[from..].iter().take_while(|cell| **cell < limit).count();
+        let next = passed(here, cell + 1.0);
+        before = passed(before, cell - 1.0);
+        after = passed(after.max(next), cell + 2.0);
+        let excess = (after - before) as f64 - usual;
+        let is_crowd = after - before >= CROWD && excess > 0.0;
+        let crowd = if is_crowd { excess / cells(&plots[before..after], radar) } else { 0.0 };
         for plot in &mut plots[here..next] {
             plot.crowd = crowd as f32;
         }
-        // To the next cell that holds a plot.
-        cell = if next < after {
-            cell + 1.0
-        } else {
-            angles_rad.get(after).map_or(f64::INFINITY, |angle| cell_of(*angle))
-        };
-        (before, here, next) = (start_of(cell - 1.0), next.max(start_of(cell)), start_of(cell + 1.0));
+        here = next;
     }
 }
 
@@ -75,7 +83,7 @@ mod tests {
     fn marked(angles_rad: &[f64], ranges_m: &[f64]) -> Vec<f32> {
         let mut plots: Vec<_> =
             angles_rad.iter().zip(ranges_m).map(|(angle, range)| Measurement::at(*range, *angle)).collect();
-        mark(angles_rad, &mut plots, 0, &RADAR);
+        mark(angles_rad, &mut plots, 0, &RADAR, &mut Vec::new());
         plots.iter().map(|plot| plot.crowd).collect()
     }
 

@@ -46,6 +46,8 @@ pub struct PlotStore {
     disordered: bool,
     /// Where plots lie that belong in this order, reused.
     order: Vec<usize>,
+    /// Azimuth cells of plots, reused.
+    azimuths: Vec<f64>,
 }
 
 impl PlotStore {
@@ -81,7 +83,7 @@ impl PlotStore {
             self.sort_unsettled();
         }
         let first = if disordered { self.settled } else { self.known };
-        crowd::mark(&self.angles_rad, &mut self.measurements, first, radar);
+        crowd::mark(&self.angles_rad, &mut self.measurements, first, radar, &mut self.azimuths);
         self.known = self.entries.len();
     }
 

@@ -1,10 +1,11 @@
-//! The tracks of a tracker that has died go on where it has last published them: same number, state, existence and counts.
+//! The tracks of a tracker that has died go on where it last published them: same number, state, existence and counts.
 //!
 //! What it knew and did not publish begins anew: each model's own state (all begin with the moments of the track), the map of false plots,
-//! tentative tracks. The turns without a tracker count as turns whose results were lost, so a track that was away for too many of them ends,
-//! and says so.
+//! tentative tracks. The turns without a tracker count as turns whose results were lost: after too many of them a track ends as any other
+//! does, with a last message.
 
-use common::tracks::{Models, Track};
+use common::commands::{ACCEPTED, Command, DROP, LABEL};
+use common::tracks::{Models, TERMINATED, Track};
 use common::units::seconds_between;
 
 use super::Tracker;
@@ -20,22 +21,35 @@ use crate::tracks::life::Life;
 use crate::tracks::track::{LastScan, LiveTrack};
 
 impl Tracker {
-    /// Goes on with the confirmed tracks of a tracker before, of each its last message, from the next plots on. Their numbers must be
-    /// lower than the first of this tracker; those that are not, that another estimator has followed, or that lie in the future of the
-    /// plots are left.
+    /// Goes on with the confirmed tracks of a tracker before, of each its last message, from the next plots on. Left are those whose numbers
+    /// this tracker will give itself, those followed by another estimator, and those that lie in the future of the plots.
     pub fn take_over(&mut self, tracks: Vec<Track>) {
         self.before = tracks;
     }
 
     /// Makes tracks of those of the tracker before, once the first plots tell where the beam is.
-    pub(super) fn go_on(&mut self, environment: &Environment) {
+    pub(super) fn go_on(&mut self, environment: &Environment, messages: &mut Vec<Track>) {
         for track in std::mem::take(&mut self.before) {
             let ahead_s = seconds_between(self.sweep.time_ns(), track.time_ns);
             let is_ours = track.id < self.next_id && track.estimator == environment.filter.estimator();
-            if is_ours && track.is_confirmed() && ahead_s < self.sweep.period_s() {
+            let is_sound = track.existence > 0.0 && track.existence.is_finite() && track.snr_db.is_finite();
+            if track.state_code == TERMINATED {
+                messages.push(track); // dropped meanwhile
+            } else if is_ours && is_sound && track.is_confirmed() && ahead_s < self.sweep.period_s() {
                 self.go_on_with(&track, environment);
             }
         }
+    }
+
+    /// Carries out what an operator asks of a track that has not gone on yet; `None` if that is none of these.
+    pub(super) fn carry_out_before(&mut self, command: &Command) -> Option<u32> {
+        let track = self.before.iter_mut().find(|track| track.id == command.track_id && track.is_confirmed())?;
+        match command.kind {
+            DROP => track.state_code = TERMINATED,
+            LABEL => {}
+            _ => return None,
+        }
+        Some(ACCEPTED)
     }
 
     fn go_on_with(&mut self, track: &Track, environment: &Environment) {
@@ -62,7 +76,8 @@ impl Tracker {
             time_ns: track.time_ns,
             angle_rad,
             searched_to_rad: angle_rad,
-            scans_apart: 0,
+            // A target each, until the contrary is seen.
+            scans_apart: config.confirm_hits,
             amplitude: Amplitude::before(config, &environment.detector, snr_db, track.hits),
             own_plots: OwnPlots::default(),
             last: here,
@@ -72,12 +87,12 @@ impl Tracker {
         };
         let handle = tracks.add(follower, state);
         let place = handle.place as usize;
-        self.confirmed += 1;
         if forecast.predict_one(environment, rules.alpha, tracks, place, time, sweep) {
+            self.confirmed += 1;
             self.agenda.add(handle, &tracks[place].next);
             self.updates.rivals.record(place, &tracks[place]);
         } else {
-            self.end(place);
+            tracks.free(place);
         }
     }
 }
