@@ -80,11 +80,21 @@ pub trait Format {
     /// The peer has said something.
     fn heard(&mut self, _octets: &[u8]) {}
 
+    /// Why the connection is of no more use, if it is not.
+    fn is_useless(&self, _now: SystemTime) -> Option<&'static str> {
+        None
+    }
+
     /// Says what is due without news of the chain: greetings, answers, signs of life.
     fn tick(&mut self, _now: SystemTime, _out: &mut Frames) {}
 
     /// The last frames before the connection is closed.
     fn close(&mut self, _now: SystemTime, _out: &mut Frames) {}
+
+    /// Tracks and plots so far that were not for a peer that had not agreed to take them.
+    fn held_back(&self) -> u64 {
+        0
+    }
 
     /// Tracks and plots so far that the format cannot say.
     fn not_said(&self) -> u64;

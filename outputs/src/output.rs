@@ -161,6 +161,9 @@ impl Output {
                 Event::Heard(octets) => self.format.heard(&octets),
             }
         }
+        if let Some(why) = self.format.is_useless(SystemTime::now()) {
+            self.line.give_up(why, Instant::now());
+        }
     }
 
     /// Says its last words; [`Self::attend`] sends them while [`Self::is_waiting`].
@@ -177,7 +180,8 @@ impl Output {
 
     /// Frames so far.
     pub fn counts(&self) -> Counts {
-        self.line.counts()
+        let Counts { sent, dropped } = self.line.counts();
+        Counts { sent, dropped: dropped + self.format.held_back() }
     }
 
     /// Tracks and plots reported so far.

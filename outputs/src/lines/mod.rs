@@ -40,6 +40,9 @@ pub trait Line {
     /// Does what can be done now: connects, sends what waits, listens.
     fn attend(&mut self, now: Instant, events: &mut Vec<Event>);
 
+    /// Ends a connection that is of no more use, so that a new one is made.
+    fn give_up(&mut self, _why: &str, _now: Instant) {}
+
     /// Frames so far.
     fn counts(&self) -> Counts;
 

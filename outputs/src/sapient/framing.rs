@@ -26,6 +26,11 @@ impl Incoming {
         *self = Self::default();
     }
 
+    /// Whether the frames of the stream are lost: nothing more comes out of it.
+    pub(super) fn is_lost(&self) -> bool {
+        self.is_lost
+    }
+
     /// Takes a piece; the whole messages so far, each an error where it is none.
     pub(super) fn take(&mut self, piece: &[u8]) -> Vec<Result<SapientMessage, String>> {
         let mut messages = Vec::new();

@@ -22,13 +22,18 @@ const DEGREE_M: f64 = 111_320.0;
 /// Without tracks for so long, the node says that something is amiss.
 const SILENCE: Duration = Duration::from_secs(10);
 
+/// A peer that has not answered a registration for so long is connected to anew.
+const PATIENCE: Duration = Duration::from_secs(30);
+
 /// How far the registration has come on this connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Standing {
     Apart,
     /// It waits for the first tracks: with them the latency is known.
     Connected,
-    Asked,
+    Asked {
+        since: SystemTime,
+    },
     Accepted,
     Refused,
 }
@@ -53,6 +58,7 @@ pub struct EdgeNode {
     status_at: Option<SystemTime>,
     last_system: Option<i32>,
     not_said: u64,
+    held_back: u64,
 }
 
 fn since_1970(time: SystemTime) -> Duration {
@@ -89,6 +95,7 @@ impl EdgeNode {
             status_at: None,
             last_system: None,
             not_said: 0,
+            held_back: 0,
         })
     }
 
@@ -225,6 +232,7 @@ impl Format for EdgeNode {
         self.latency_ns = self.latency_ns.max(update.latency_ns);
         self.has_news = true;
         if self.standing != Standing::Accepted {
+            self.held_back += update.targets.len() as u64;
             return;
         }
         for target in update.targets {
@@ -252,6 +260,17 @@ impl Format for EdgeNode {
         }
     }
 
+    fn is_useless(&self, now: SystemTime) -> Option<&'static str> {
+        match self.standing {
+            Standing::Apart => None,
+            _ if self.incoming.is_lost() => Some("what it says cannot be told apart into messages"),
+            Standing::Asked { since } if now.duration_since(since).is_ok_and(|waited| waited > PATIENCE) => {
+                Some("no answer to the registration")
+            }
+            _ => None,
+        }
+    }
+
     fn tick(&mut self, now: SystemTime, out: &mut Frames) {
         let at = since_1970(now);
         if std::mem::take(&mut self.has_news) {
@@ -260,7 +279,7 @@ impl Format for EdgeNode {
         if self.standing == Standing::Connected && self.tracks_at.is_some() {
             let registration = registration(&self.site, self.class, self.status_s, self.latency_ns);
             self.send(at, Content::Registration(registration), out);
-            self.standing = Standing::Asked;
+            self.standing = Standing::Asked { since: now };
         }
         for answer in std::mem::take(&mut self.answers) {
             self.send(at, answer, out);
@@ -282,6 +301,10 @@ impl Format for EdgeNode {
             self.send(at, Content::StatusReport(status), out);
             self.standing = Standing::Apart; // nothing comes after it
         }
+    }
+
+    fn held_back(&self) -> u64 {
+        self.held_back
     }
 
     fn not_said(&self) -> u64 {
@@ -352,6 +375,22 @@ mod tests {
         assert!(matches!(tracks(&mut node, &seen)[..], [Content::DetectionReport(_)]));
         node.opened();
         assert_eq!(tracks(&mut node, &seen), [], "a new connection begins anew");
+        assert_eq!(node.held_back(), 3);
+    }
+
+    #[test]
+    fn a_connection_without_sense_or_answer_is_of_no_use() {
+        let mut node = node();
+        assert_eq!(node.is_useless(NOW), None);
+        node.opened();
+        tracks(&mut node, &[]);
+        tick(&mut node, NOW);
+        assert_eq!(node.is_useless(NOW + Duration::from_secs(29)), None);
+        assert!(node.is_useless(NOW + Duration::from_secs(31)).is_some());
+        node.heard(&[0xff; 10]);
+        assert!(node.is_useless(NOW).is_some());
+        node.opened();
+        assert_eq!(node.is_useless(NOW), None);
     }
 
     #[test]
