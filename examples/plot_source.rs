@@ -14,7 +14,8 @@
 //!   connected; in lossless mode a full queue of theirs blocks `publish`.
 //! - **Sectors.** One message for each sector, also when it is empty, in order. `seq` is `scan · sectors_per_scan + sector`:
 //!   a gap is a loss, so a source that is restarted goes on where the schedule stands. `covered_from_rad` to
-//!   `covered_to_rad` is the azimuth that is complete with this message; the last sector of a scan ends at 2π.
+//!   `covered_to_rad` is the azimuth that is complete with this message; the last sector of a scan ends at 2π. With the flag
+//!   `COUNTER_CLOCKWISE` it is what the antenna has turned since north, with `STANDING` nothing, and in the last sector all.
 //! - **Plots.** In any order within their sector, at most `MAX_PLOTS`. Each has its own time (UTC, when the beam passed),
 //!   slant range, azimuth clockwise from north in [0, 2π), and the standard errors of both. Elevation, range rate and decision
 //!   statistic are optional, with a flag each. `target_id` is for scoring alone.

@@ -299,24 +299,31 @@ impl SystemTrack {
 }
 
 impl Accuracy {
-    /// I062/500. The covariance is sent as the root of its size, with its sign.
+    /// I062/500. The covariance is sent as the root of its size, with its sign; no standard error as 0 that is not.
     #[inline]
     fn write(&self, record: &mut RecordWriter<'_>) -> Result<(), EncodeError> {
-        record.put_nearest(&SIGMA_X, self.position_m[0])?;
-        record.put_nearest(&SIGMA_Y, self.position_m[1])?;
+        put_sigma(record, &SIGMA_X, self.position_m[0])?;
+        put_sigma(record, &SIGMA_Y, self.position_m[1])?;
         record.put_nearest(&COVARIANCE, self.covariance_m2.abs().sqrt().copysign(self.covariance_m2))?;
         if let Some(height_m) = self.height_m {
-            record.put_nearest(&SIGMA_HEIGHT, height_m / FT_M)?;
+            put_sigma(record, &SIGMA_HEIGHT, height_m / FT_M)?;
         }
-        record.put_nearest(&SIGMA_VX, self.velocity_mps[0])?;
-        record.put_nearest(&SIGMA_VY, self.velocity_mps[1])?;
+        put_sigma(record, &SIGMA_VX, self.velocity_mps[0])?;
+        put_sigma(record, &SIGMA_VY, self.velocity_mps[1])?;
         if let Some([x_mps2, y_mps2]) = self.acceleration_mps2 {
-            record.put_nearest(&SIGMA_AX, x_mps2)?;
-            record.put_nearest(&SIGMA_AY, y_mps2)?;
+            put_sigma(record, &SIGMA_AX, x_mps2)?;
+            put_sigma(record, &SIGMA_AY, y_mps2)?;
         }
         if let Some(rate_mps) = self.climb_rate_mps {
-            record.put_nearest(&SIGMA_CLIMB_RATE, rate_mps / FT_M * 60.0)?;
+            put_sigma(record, &SIGMA_CLIMB_RATE, rate_mps / FT_M * 60.0)?;
         }
         Ok(())
     }
+}
+
+/// A standard error, in whole steps from one on.
+#[expect(clippy::inline_always, reason = "a constant field folds only into its caller")]
+#[inline(always)]
+fn put_sigma(record: &mut RecordWriter<'_>, field: &Field, sigma: f64) -> Result<(), EncodeError> {
+    record.put_nearest(field, if sigma > 0.0 { sigma.max(field.step) } else { sigma })
 }

@@ -6,6 +6,9 @@
 //! is sound and a sound one, or the end, follows, if need be behind blocks of categories that are not known; or when no
 //! sound block begins inside it: a byte lost in a block may leave it readable, with its neighbour's first byte as its last.
 //! Where none is believed, reading goes on at the next sound one; the bytes before it are those that were not read.
+//!
+//! All this is bounded, so that bytes made to look like blocks in blocks cost no more time than others do: for every byte that
+//! is passed or looked at, a few records may be read to find out what is sound, and a block that needs more is not.
 
 use std::ops::Range;
 
@@ -109,6 +112,9 @@ pub enum Piece {
     Lost(Range<usize>),
 }
 
+/// Records that may be read to find sound blocks, for every byte that is passed or looked at and from the beginning.
+const RECORDS_A_BYTE: usize = 8;
+const RECORDS_AT_FIRST: usize = 1 << 16;
 /// Blocks of unknown categories that may stand between two sound ones.
 const MOST_UNKNOWN: usize = 64;
 
@@ -118,12 +124,14 @@ pub struct Pieces<'a> {
     editions: &'a Editions,
     bytes: &'a [u8],
     at: usize,
+    /// Records that the search may still read.
+    allowance: usize,
 }
 
 impl<'a> Pieces<'a> {
     /// The parts of `bytes`, blocks back to back.
     pub fn new(editions: &'a Editions, bytes: &'a [u8]) -> Self {
-        Self { editions, bytes, at: 0 }
+        Self { editions, bytes, at: 0, allowance: RECORDS_AT_FIRST }
     }
 
     /// Category and end of the block at a place, if its header is possible and the recording does not end inside it.
@@ -133,16 +141,27 @@ impl<'a> Pieces<'a> {
     }
 
     /// The end of the sound block at a place.
-    fn sound(&self, at: usize) -> Option<usize> {
+    fn sound(&mut self, at: usize) -> Option<usize> {
+        let mut allowance = self.allowance;
+        let end = self.sound_within(at, &mut allowance);
+        self.allowance = allowance;
+        end
+    }
+
+    /// The same, if no more than `allowance` records tell; those that were read are taken off.
+    fn sound_within(&self, at: usize, allowance: &mut usize) -> Option<usize> {
         let (category, end) = self.whole(at)?;
         let mut records = Records::new(self.editions.of(category)?, &self.bytes[at + HEADER..end], 0).peekable();
-        let is_sound =
-            records.peek().is_some() && records.all(|record| record.is_ok_and(|it| it.item("010").is_some()));
-        is_sound.then_some(end)
+        records.peek()?;
+        for record in records {
+            *allowance = allowance.checked_sub(1)?;
+            record.ok()?.item("010")?;
+        }
+        Some(end)
     }
 
     /// Whether reading can go on at a place.
-    fn leads_on(&self, mut at: usize) -> bool {
+    fn leads_on(&mut self, mut at: usize) -> bool {
         for _ in 0..MOST_UNKNOWN {
             if at == self.bytes.len() || self.sound(at).is_some() {
                 return true;
@@ -156,13 +175,24 @@ impl<'a> Pieces<'a> {
     }
 
     /// The next sound block in a range.
-    fn next_sound(&self, mut range: Range<usize>) -> Option<usize> {
-        range.find(|&at| self.sound(at).is_some())
+    fn next_sound(&mut self, mut range: Range<usize>) -> Option<usize> {
+        let mut allowance = self.allowance;
+        let found = range.find(|&at| {
+            allowance = allowance.saturating_add(RECORDS_A_BYTE);
+            self.sound_within(at, &mut allowance).is_some()
+        });
+        self.allowance = allowance.min(RECORDS_AT_FIRST);
+        found
+    }
+
+    fn go_on(&mut self, at: usize) {
+        self.allowance = (self.allowance + RECORDS_A_BYTE * (at - self.at)).min(RECORDS_AT_FIRST);
+        self.at = at;
     }
 
     fn block(&mut self, category: u8, end: usize, cut: bool) -> Piece {
         let records = (self.at + HEADER).min(end)..end;
-        self.at = end;
+        self.go_on(end);
         Piece::Block { category, records, cut }
     }
 }
@@ -187,7 +217,7 @@ impl Iterator for Pieces<'_> {
         if next.is_none() && self.editions.of(category).is_some() {
             return Some(self.block(category, length, true));
         }
-        self.at = next.unwrap_or(length);
+        self.go_on(next.unwrap_or(length));
         Some(Piece::Lost(at..self.at))
     }
 }
@@ -211,6 +241,24 @@ mod tests {
     fn blocks_follow_each_other_by_length() {
         let bytes = [&NORTH[..], &[21, 0, 5, 0x80, 0xaa], &NORTH].concat();
         assert_eq!(pieces(&bytes), [block(10, 0, 10), block(21, 10, 5), block(10, 15, 10)]);
+    }
+
+    /// Blocks that begin in blocks, each with thousands of records and all unsound at their ends: every byte is looked at, few
+    /// times.
+    #[test]
+    fn the_search_is_bounded() {
+        let mut bytes = vec![48, 0x7f, 0xff];
+        bytes.extend([0xc0, 0x19, 0x07, 48, 0x7f, 0xff].repeat(11_000));
+        bytes.truncate(65_505);
+        let editions = Editions::default();
+        let mut pieces = Pieces::new(&editions, &bytes);
+        assert_eq!(pieces.next_sound(1..bytes.len()), None);
+        // All that the allowance is for was spent, which is 60 times less than all there is to read.
+        let mut allowance = RECORDS_AT_FIRST + RECORDS_A_BYTE * bytes.len();
+        let spent = (1..bytes.len()).filter(|&at| pieces.sound_within(at, &mut allowance).is_some()).count();
+        assert_eq!((spent, allowance), (0, 0));
+        let end = [&bytes[..], &NORTH, &NORTH].concat();
+        assert!(self::pieces(&end).ends_with(&[block(10, bytes.len() + 10, 10)]), "what follows is found");
     }
 
     #[test]

@@ -194,6 +194,14 @@ impl Message {
         }
     }
 
+    /// When.
+    pub fn time_of_day(&self) -> Option<TimeOfDay> {
+        match self {
+            Self::Target(report) => report.time_of_day,
+            Self::Service(message) => message.time_of_day,
+        }
+    }
+
     /// The radar.
     pub fn source(&self) -> Option<SourceId> {
         match self {

@@ -43,4 +43,5 @@ pub mod topic;
 pub mod topology;
 pub mod tracks;
 pub mod truth;
+pub mod turning;
 pub mod units;

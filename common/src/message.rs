@@ -17,6 +17,10 @@ pub const END_OF_SECTOR: u32 = 2;
 pub const END_OF_STREAM: u32 = 4;
 /// More elements were found than the message holds; the weakest were left out and counted.
 pub const TRUNCATED: u32 = 8;
+/// The antenna turns counter-clockwise (plots, and tracks of one radar).
+pub const COUNTER_CLOCKWISE: u32 = 16;
+/// The antenna stands (plots, and tracks of one radar).
+pub const STANDING: u32 = 32;
 
 /// CLOCK_MONOTONIC in ns at each hand-over on the way of the last dwell of a sector
 /// through the chain; 0 where a message has not been yet. Only for latency.

@@ -12,6 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::message::{Header, Lineage, Place, Stamps};
 use crate::recording::row::{Row, Table, Value};
+use crate::turning::Turning;
 
 /// Most plots in one message; the weakest of more are left out and counted.
 pub const MAX_PLOTS: usize = 1024;
@@ -87,10 +88,11 @@ pub struct PlotsHeader {
     pub lineage: Lineage,
     /// When and where the last dwell of the sector was.
     pub stamps: Stamps,
-    /// Start of the azimuth interval newly covered, rad, counted from north of this
-    /// scan without wrapping: negative when it begins in the scan before.
+    /// Start of the interval of beam angle ([`crate::turning`]) newly covered, rad, counted from north of this
+    /// scan without wrapping: negative when it begins in the scan before. Of an antenna that stands, the last sector of a
+    /// scan covers all of it, and the others nothing.
     pub covered_from_rad: f64,
-    /// End of the interval: every plot before this azimuth has been published. It stays
+    /// End of the interval: every plot before this angle has been published. It stays
     /// behind the beam while a cluster of detections is still open.
     pub covered_to_rad: f64,
     /// Time of one scan, s.
@@ -117,7 +119,7 @@ pub struct PlotsHeader {
     pub sector: u32,
     /// Sectors in a scan.
     pub sectors_per_scan: u32,
-    /// `END_OF_…`, `TRUNCATED` of [`crate::message`].
+    /// `END_OF_…`, `TRUNCATED`, `COUNTER_CLOCKWISE`, `STANDING` of [`crate::message`].
     pub flags: u32,
     /// Dwells or records rejected since the last message.
     pub rejected: u32,
@@ -160,6 +162,11 @@ impl PlotsHeader {
     /// Whether one of the flags of [`crate::message`] is set.
     pub fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
+    }
+
+    /// How the antenna turns.
+    pub fn turning(&self) -> Turning {
+        Turning::of_flags(self.flags)
     }
 }
 

@@ -240,6 +240,8 @@ class Beam {
   }
 
   pass({ azimuth_rad, scan, time_s }, arrived_ms) {
+    const turned_rad = Math.sin(azimuth_rad - this.azimuth_rad);
+    if (turned_rad) this.sector_rad = Math.sign(turned_rad) * Math.abs(this.sector_rad);
     const ms = arrived_ms - this.arrived_ms;
     if (ms < 20 * this.ms_per_sector) this.ms_per_sector += 0.1 * (ms - this.ms_per_sector);
     Object.assign(this, { azimuth_rad, scan, time_s, arrived_ms });

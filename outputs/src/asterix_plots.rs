@@ -1,7 +1,8 @@
 //! Plots as ASTERIX: category 048 for the plots of a sector, then category 034 for how far the antenna has come.
 //!
 //! Every plot before a sector message has been sent: the azimuth of the message is the one that `plots` calls covered, cut to the
-//! step of the item. Range, azimuth, time, range rate and signal-to-noise ratio (as amplitude) go out; a height where elevation is
+//! step of the item, so sector messages of an antenna that turns counter-clockwise run downwards, and one that stands has north
+//! markers alone: where its scans end. Range, azimuth, time, range rate and signal-to-noise ratio (as amplitude) go out; a height where elevation is
 //! measured and the place of the radar known. Nothing says which target a plot is of.
 
 use std::collections::HashMap;
@@ -68,7 +69,7 @@ impl AsterixPlots {
             source: Some(site.source()),
             service: if passes_north { Service::North } else { Service::Sector },
             time_of_day: Some(time_of_day(time_ns)),
-            azimuth_rad: (!passes_north).then(|| turns.fract() * TAU),
+            azimuth_rad: (!passes_north).then(|| header.turning().turned(turns.fract() * TAU) * TAU),
             turn_s: (header.scan_period_s > 0.0).then_some(header.scan_period_s),
         })
     }
@@ -111,6 +112,7 @@ mod tests {
     use asterix::editions::Editions;
     use asterix::record::Records;
     use asterix::report::Message;
+    use common::turning::Turning;
 
     fn header(scan: u32, sector: u32, covered_turns: f64) -> PlotsHeader {
         PlotsHeader {
@@ -133,6 +135,33 @@ mod tests {
             messages.extend(records.filter_map(|record| Message::of(&record)));
         }
         messages
+    }
+
+    /// Azimuths of the sector messages of a scan, 256ths of a turn; `None` for a north marker.
+    fn sectors(turning: Turning, covered: impl Fn(u32) -> f64) -> Vec<Option<u32>> {
+        let (mut format, mut frames) = (AsterixPlots::default(), Frames::default());
+        for sector in 0..16 {
+            let header = header(sector / 8, sector % 8, covered(sector));
+            format.plots(&site(), &PlotsHeader { flags: turning.flags(), ..header }, &[], &mut frames);
+        }
+        let azimuth = |message| match message {
+            Message::Service(message) => {
+                message.azimuth_rad.map(|azimuth_rad| (azimuth_rad / TAU * STEPS).round() as u32)
+            }
+            Message::Target(_) => unreachable!("no plots"),
+        };
+        read(&frames).into_iter().map(azimuth).collect()
+    }
+
+    #[test]
+    fn sector_messages_run_as_the_antenna_does() {
+        let turned = |sector: u32| f64::from(sector % 8 + 1) / 8.0;
+        let up = sectors(Turning::Clockwise, turned);
+        let down = sectors(Turning::CounterClockwise, turned);
+        assert_eq!(up[8..], [Some(32), Some(64), Some(96), Some(128), Some(160), Some(192), Some(224), None]);
+        assert_eq!(down[8..], [Some(224), Some(192), Some(160), Some(128), Some(96), Some(64), Some(32), None]);
+        let standing = sectors(Turning::Standing, |sector| if sector % 8 == 7 { 1.0 } else { 0.0 });
+        assert!(standing.len() >= 2 && standing.iter().all(Option::is_none), "{standing:?}");
     }
 
     #[test]

@@ -80,19 +80,19 @@ pub trait Format {
     /// The peer has said something.
     fn heard(&mut self, _octets: &[u8]) {}
 
+    /// Why the connection is of no more use, if it is not.
+    fn is_useless(&self, _now: SystemTime) -> Option<&'static str> {
+        None
+    }
+
     /// Says what is due without news of the chain: greetings, answers, signs of life.
     fn tick(&mut self, _now: SystemTime, _out: &mut Frames) {}
 
     /// The last frames before the connection is closed.
     fn close(&mut self, _now: SystemTime, _out: &mut Frames) {}
 
-    /// Why the connection is to be made again, if it is; asked once.
-    fn take_discontent(&mut self) -> Option<String> {
-        None
-    }
-
-    /// Tracks and plots so far that were dropped, because the peer had not agreed to take them.
-    fn dropped(&self) -> u64 {
+    /// Tracks and plots so far that were not for a peer that had not agreed to take them.
+    fn held_back(&self) -> u64 {
         0
     }
 

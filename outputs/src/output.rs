@@ -161,8 +161,8 @@ impl Output {
                 Event::Heard(octets) => self.format.heard(&octets),
             }
         }
-        if let Some(why) = self.format.take_discontent() {
-            self.line.leave(&why, Instant::now());
+        if let Some(why) = self.format.is_useless(SystemTime::now()) {
+            self.line.give_up(why, Instant::now());
         }
     }
 
@@ -178,10 +178,10 @@ impl Output {
         self.line.is_waiting()
     }
 
-    /// Frames so far, and as dropped ones the reports that nobody had agreed to take.
+    /// Frames so far.
     pub fn counts(&self) -> Counts {
         let Counts { sent, dropped } = self.line.counts();
-        Counts { sent, dropped: dropped + self.format.dropped() }
+        Counts { sent, dropped: dropped + self.format.held_back() }
     }
 
     /// Tracks and plots reported so far.

@@ -164,7 +164,9 @@ fn feeds(first: &Station, sites: &Sites, units: &[u8]) -> Result<Vec<Feed>, IpcE
         let sends = |format: OutputFormat| takes(format, Sent::Tracks);
         let (is_fused, says_origins) = (site.run.source == Source::Fusion, sends(OutputFormat::Asterix));
         let wants_plots = takes(OutputFormat::Asterix, Sent::Plots) || says_origins && !is_fused;
-        let wants_labels = sends(OutputFormat::Json) && runs(site, TRACKER);
+        // A replay says what operators did where no tracker does.
+        let has_actions = runs(site, TRACKER) || site.run.source == Source::Replay;
+        let wants_labels = sends(OutputFormat::Json) && has_actions;
         Ok(Feed {
             tracks,
             plots: wants_plots.then(|| station.subscriber()).transpose()?,

@@ -27,11 +27,16 @@ fn categories_read() -> String {
     in_words(CATEGORIES)
 }
 
+/// Categories that are named one by one.
+const MOST_NAMED: usize = 8;
+
 /// Counts of all that a recording holds.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Contents {
     /// Records that could be read.
     pub records: u64,
+    /// Records of a capture that stand in it again: of a second line.
+    pub repeated: u64,
     /// Records that could be read, by sensor.
     pub sources: BTreeMap<SourceId, u64>,
     /// Blocks of other categories.
@@ -95,10 +100,17 @@ impl Contents {
     /// What the user should know of the file, one line each.
     pub fn notes(&self) -> Vec<String> {
         let blocks = self.categories.iter();
-        let mut notes: Vec<String> =
-            blocks.map(|(category, blocks)| format!("category {category:03}: {blocks} blocks not read")).collect();
+        let mut notes: Vec<String> = if self.categories.len() <= MOST_NAMED {
+            blocks.map(|(category, blocks)| format!("category {category:03}: {blocks} blocks not read")).collect()
+        } else {
+            let (categories, blocks) = (self.categories.len(), self.categories.values().sum::<u64>());
+            vec![format!("{categories} other categories: {blocks} blocks not read; most of it may be no ASTERIX")]
+        };
         let foreign = self.foreign.iter();
         notes.extend(foreign.map(|(to, datagrams)| format!("{datagrams} datagrams to {to} are not ASTERIX")));
+        if self.repeated > 0 {
+            notes.push(format!("{} records captured before, not used again", self.repeated));
+        }
         if let Some(first) = self.first_unread {
             let (bytes, places) = (self.unread_bytes, self.unread_places);
             let place = if places == 1 { "at".to_string() } else { format!("in {places} places, the first at") };

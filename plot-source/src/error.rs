@@ -41,6 +41,14 @@ pub enum SourceError {
         /// What was found.
         found: String,
     },
+    /// It is a table of plots, but not one line holds a plot.
+    #[error("{} is a table of plots without a plot: {why}", path.display())]
+    NoRow {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong with the first line.
+        why: String,
+    },
     /// The records of the file are of other sensors than the site's, or of several that could be it.
     #[error("{} holds records of {found}: expected those of one sensor, named by keys `site.sac` and `site.sic`", path.display())]
     WhichSource {

@@ -7,9 +7,19 @@ use std::fmt::Write;
 use asterix::editions::Editions;
 use asterix::recovery::records;
 use asterix::report::{Message, Service, ServiceMessage, SourceId, TargetReport, TimeOfDay};
+use common::network::Endpoint;
+use common::turning::Turning;
+use common::units::NS_PER_S;
+
+use crate::radar::Report;
+use crate::turning::{Learnt, learn};
 
 /// Values that are kept of one radar to take a median of; of a longer hearing the first.
 const KEPT: usize = 1 << 16;
+/// Sector messages that tell how an antenna turns.
+const FEWEST_STEPS: u64 = 3;
+/// A turn of which nothing is known, s: the search goes from a quarter to 16 times of it.
+const PROBABLE_TURN_S: f64 = 4.0;
 /// The coverage that is proposed is a whole number of these, m.
 const RANGE_STEP_M: f64 = 10_000.0;
 
@@ -38,6 +48,11 @@ struct Radar {
     amplitudes: u64,
     farthest_m: f64,
     sectors: u64,
+    /// Sector messages that came before half a turn after the one before them: clockwise, counter-clockwise.
+    steps: [u64; 2],
+    last_sector: Option<f64>,
+    /// Times and azimuths of reports.
+    seen: Vec<Report>,
     /// Times of north passages, s of the day.
     norths: Vec<f64>,
     /// Time of a turn as the radar says it, s.
@@ -86,6 +101,12 @@ impl Radar {
         self.heights += u64::from(report.height_m.or(report.pressure_height_m).is_some());
         self.range_rates += u64::from(report.radial_velocity_mps.is_some());
         self.amplitudes += u64::from(report.amplitude_db.is_some());
+        if let (Some(time), Some((range_m, azimuth_rad))) = (report.time_of_day, report.polar)
+            && self.seen.len() < KEPT
+        {
+            let clock_ns = Some((f64::from(time.steps) / f64::from(TimeOfDay::STEPS_PER_S) * NS_PER_S) as i64);
+            self.seen.push(Report { clock_ns, range_m, azimuth_rad, ..Report::default() });
+        }
         self.farthest_m = report.polar.map_or(self.farthest_m, |(range_m, _)| self.farthest_m.max(range_m));
     }
 
@@ -95,16 +116,48 @@ impl Radar {
             (Service::North, Some(time)) if self.norths.len() < KEPT => {
                 self.norths.push(f64::from(time.steps) / f64::from(TimeOfDay::STEPS_PER_S));
             }
-            (Service::Sector, _) => self.sectors += 1,
+            (Service::Sector, _) => {
+                self.sectors += 1;
+                let turned = service.azimuth_rad.map(|azimuth_rad| Turning::Clockwise.turned(azimuth_rad));
+                if let (Some(last), Some(turned)) = (self.last_sector, turned) {
+                    match (turned - last).rem_euclid(1.0) {
+                        step if step > 0.0 && step < 0.5 => self.steps[0] += 1,
+                        step if step > 0.5 => self.steps[1] += 1,
+                        _ => {}
+                    }
+                }
+                self.last_sector = turned;
+            }
             _ => {}
         }
     }
 
-    /// Time of a turn, s: the median between north passages, else as the radar says it.
+    /// Time of a turn, s: the median between north passages, else as the radar says it, else by its reports.
     fn turn(&self) -> Option<f64> {
+        self.said_turn()
+            .or_else(|| Some(self.learnt()?.last_turn_ns(0) as f64 / NS_PER_S))
+            .filter(|&turn_s| turn_s > 0.0)
+    }
+
+    fn said_turn(&self) -> Option<f64> {
         let turns: Vec<f64> =
             self.norths.windows(2).map(|pair| pair[1] - pair[0]).filter(|&turn_s| turn_s > 0.0).collect();
         median(&turns).or(self.turn_s)
+    }
+
+    /// How its antenna turns, by its sector messages, else by the times and azimuths of its reports; `None` if they do not tell.
+    fn turning(&self) -> Option<Turning> {
+        let [clockwise, other] = self.steps;
+        if clockwise + other >= FEWEST_STEPS {
+            return Some(if clockwise >= other { Turning::Clockwise } else { Turning::CounterClockwise });
+        }
+        Some(self.learnt()?.turning)
+    }
+
+    /// What times and azimuths of its reports tell.
+    fn learnt(&self) -> Option<Learnt> {
+        let turn_s = self.said_turn().unwrap_or(PROBABLE_TURN_S);
+        learn(&self.seen, (turn_s * NS_PER_S) as i64, None)
     }
 
     /// Range that is proposed as coverage, m.
@@ -126,9 +179,10 @@ impl Radar {
             share(self.artificial),
         );
         let turn = self.turn().map_or("not known".into(), |turn_s| format!("{turn_s:.2} s"));
+        let turning = self.turning().map_or(String::new(), |turning| format!(", {}", turning.name()));
         let _ = writeln!(
             text,
-            "  turn            {turn}; {} north marks, {} sector messages",
+            "  turn            {turn}{turning}; {} north marks, {} sector messages",
             self.norths.len(),
             self.sectors
         );
@@ -195,7 +249,13 @@ impl Hearing {
     /// A configuration for what has been heard at `source`, TOML; `None` without a radar.
     pub fn proposal(&self, source: &str) -> Option<String> {
         let several = self.radars.len() > 1;
-        let mut text = String::from(if several {
+        let is_group = source.parse::<Endpoint>().is_ok_and(|endpoint| endpoint.address.ip().is_multicast());
+        let mut text = String::from(if several && !is_group {
+            "# An own address is one site's: let the radars send to a group, or each to a port of its own, and change `listen`.\n"
+        } else {
+            ""
+        });
+        text.push_str(if several {
             "[run]\nmode = \"real-time\"\nscans = 0            # until it is stopped\n"
         } else {
             ""
@@ -214,6 +274,9 @@ impl Hearing {
             if let Some(turn_s) = radar.turn() {
                 let _ = writeln!(plots, "scan_period_s = {turn_s:.3}");
             }
+            if let Some(turning) = radar.turning().filter(|&turning| turning != Turning::Clockwise) {
+                let _ = writeln!(plots, "turning = {:?}", turning.name());
+            }
             let _ = writeln!(plots, "coverage_range_m = {:.1}", radar.coverage_m());
             if radar.simulated * 2 > radar.reports {
                 let _ = writeln!(plots, "use_simulated = true");
@@ -230,6 +293,7 @@ mod tests {
     use asterix::report::Artificial;
     use asterix::tables::{CAT034_1_29, CAT048_1_32};
     use asterix::{cat034, cat048};
+    use std::f64::consts::TAU;
     use std::path::Path;
 
     const NOON: u32 = 12 * 3600 * 128;
@@ -294,6 +358,8 @@ mod tests {
                 );
             }
         }
+        let own = heard(&[7, 8]).proposal("udp://127.0.0.1:8600").expect("two radars");
+        assert!(own.starts_with("# An own address is one site's"), "{own}");
         assert_eq!(Hearing::default().proposal("udp://127.0.0.1:1"), None);
     }
 
@@ -301,5 +367,38 @@ mod tests {
     fn times_are_compared_across_midnight() {
         let late = TimeOfDay { steps: TimeOfDay::DAY - 128, period: TimeOfDay::DAY };
         assert_eq!((delay_s(1.0, late), delay_s(86_397.0, late)), (2.0, -2.0));
+    }
+
+    /// How an antenna turns is told by its sector messages, or by its reports.
+    #[test]
+    fn the_way_in_which_an_antenna_turns_is_told() {
+        let service = |sector: u32, turning: Turning| ServiceMessage {
+            source: Some(SourceId { sac: 25, sic: 7 }),
+            service: Service::Sector,
+            time_of_day: Some(TimeOfDay { steps: NOON + sector * 16, period: TimeOfDay::DAY }),
+            azimuth_rad: Some(turning.turned(f64::from(sector) / 32.0 * TAU) * TAU),
+            turn_s: None,
+        };
+        for turning in [Turning::Clockwise, Turning::CounterClockwise, Turning::Standing] {
+            let (mut by_sectors, mut by_reports) = (Radar::default(), Radar::default());
+            (0..64).for_each(|sector| by_sectors.hear_service(&service(sector, turning)));
+            for report in 0..200_u32 {
+                let (turn, target) = (report / 5, report % 5);
+                let turned = [0.1, 0.25, 0.3, 0.62, 0.9][target as usize];
+                let after = if turning == Turning::Standing { 0.0 } else { turning.turned(turned * TAU) };
+                let steps = NOON + turn * 512 + (after * 512.0) as u32;
+                by_reports.hear_target(&TargetReport {
+                    time_of_day: Some(TimeOfDay { steps, period: TimeOfDay::DAY }),
+                    polar: Some((9000.0, turned * TAU)),
+                    ..TargetReport::default()
+                });
+            }
+            if turning != Turning::Standing {
+                assert_eq!(by_sectors.turning(), Some(turning));
+            }
+            assert_eq!(by_reports.turning(), Some(turning));
+            assert!(by_reports.turn().is_some_and(|turn_s| (turn_s - 4.0).abs() < 0.05), "{:?}", by_reports.turn());
+        }
+        assert_eq!(Radar::default().turning(), None);
     }
 }

@@ -2,17 +2,18 @@
 
 use std::process::ExitCode;
 
-use common::config::ChainConfig;
+use common::config::{ChainConfig, Mode};
 use common::message::{END_OF_SCAN, END_OF_STREAM};
-use common::network::{Ears, LiveClock};
+use common::network::{Ears, LiveClock, NO_WAITING};
 use common::plots::PlotsHeader;
 use common::process::{BadInput, say, stop_requested, tell};
 use common::truth::TruthHeader;
+use common::turning::Turning;
 use common::units::NS_PER_S;
 
 use crate::live::{Closed, LiveRadar, Trouble};
 use crate::process::Outlet;
-use crate::source::{is_other_turn, taken_for_the_sites};
+use crate::source::{is_other_turn, said_of, taken_for_the_sites};
 use crate::truth::LiveTruth;
 
 /// Runs the process until it is asked to stop, or for the configured number of scans.
@@ -30,6 +31,9 @@ pub(crate) fn run(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     let of_radar = chain.plot_source.listen.iter().map(|name| ("plot_source.listen", name.as_str()));
     let of_truth = has_truth.then_some(("plot_source.truth", chain.plot_source.truth.as_str()));
     let mut ears = Ears::open(of_radar.chain(of_truth))?;
+    if chain.run.mode == Mode::Lossless {
+        say(NO_WAITING);
+    }
     let mut outlet = Outlet::open(chain)?;
     outlet.begin()?;
     let clock = LiveClock::start(chain.run.speed);
@@ -106,6 +110,7 @@ fn summarise(radar: &LiveRadar) {
 struct Told {
     source: bool,
     turn: bool,
+    turning: Turning,
     trouble: Option<Trouble>,
 }
 
@@ -124,6 +129,10 @@ impl Told {
             && is_other_turn(turn_s, configured_s)
         {
             say(&format!("a turn takes {turn_s:.3} s; `plot_source.scan_period_s` says {configured_s}"));
+        }
+        if let Some(turning) = radar.turning().filter(|&turning| turning != self.turning) {
+            self.turning = turning;
+            say(said_of(turning));
         }
         if self.trouble != radar.trouble() {
             self.trouble = radar.trouble();

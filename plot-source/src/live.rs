@@ -2,7 +2,8 @@
 //!
 //! A sector is closed as soon as a sector message of the radar says that the antenna has left it, or, without one, when
 //! `latency_s` have gone by since it must have: by the antenna's turn ([`Antenna`]) and by how long the radar's messages
-//! are on their way. Reports that come after the message are waited for, as long as the last ones took. Empty sectors are
+//! are on their way. How the antenna turns is learnt; of one that stands, sectors are shares of its period. Reports that come while
+//! the turn is not known yet are kept until it is. Reports that come after the message are waited for, as long as the last ones took. Empty sectors are
 //! published too, also while nothing arrives at all: tracks coast and end as if the radar saw nothing.
 //!
 //! Measurement time is the radar's clock. Where that is set, measurement time goes on as the clock of this computer does.
@@ -19,9 +20,10 @@ use common::angle;
 use common::config::ChainConfig;
 use common::health::{Reject, Rejected};
 use common::plots::{MAX_PLOTS, Plot, PlotsHeader};
+use common::turning::Turning;
 use common::units::NS_PER_S;
 
-use crate::antenna::{Antenna, Change, Fix, turned};
+use crate::antenna::{Antenna, Change, Fix};
 use crate::contents::{editions, reason};
 use crate::habits::Habits;
 use crate::level::AmplitudeLevel;
@@ -30,14 +32,18 @@ use crate::radar_clock::RadarClock;
 use crate::registration::Registration;
 use crate::repeats::Repeats;
 use crate::sectors::{SectorLayout, Sighting};
-use crate::turning::norths;
+use crate::turning::{LEAST_STOPPED, Learnt, SEARCHED, SHORTEST_SEARCHED, learn};
 
 /// Turns in which the expected lateness of reports falls to 1/e.
 const LATENESS_FADES: f64 = 60.0;
 /// Reports are waited for this many times as long as the latest of the last ones took.
 const LATENESS_MARGIN: f64 = 1.25;
-/// Reports in which the turn of a radar without north markers is searched for.
-const SEARCHED: usize = 100;
+/// Reports that are kept at most while the turn is not known.
+const MOST_UNPLACED: usize = 32_768;
+/// Reports that tell how an antenna turns whose place is known.
+const FEWEST_KEPT: usize = 4;
+/// So many of the last 32 reports must fit an antenna that turns the other way.
+const FITTING: u32 = 24;
 /// An azimuth at which a sector begins is not before it for the rounding of its angle; a share of a turn.
 const ROUNDING: f64 = 1e-9;
 /// A report farther ahead of the antenna than so many turns is impossible.
@@ -72,16 +78,25 @@ pub struct Events {
 pub enum Trouble {
     /// No turn can be found.
     #[error(
-        "times and azimuths tell no turn, no plots are published: the antenna stands still or turns counter-clockwise, or the \
-         radar is sent at another speed than `run.speed`"
+        "times and azimuths tell no turn, no plots are published: the antenna stands without a rhythm of its reports (then \
+         set `plot_source.turning`), or the radar is sent at another speed than `run.speed`"
     )]
     NoTurn,
     /// Most reports are of azimuths where the antenna was not at their time.
     #[error(
-        "reports do not fit the turn, plots are late or wrong: the antenna stands still or turns counter-clockwise, or the radar is \
-         sent at another speed than `run.speed`"
+        "reports do not fit the turn, plots are late or wrong: the antenna turns otherwise than `plot_source.turning` or the \
+         radar's messages say, or the radar is sent at another speed than `run.speed`"
     )]
     Astray,
+}
+
+/// A report that waits until it is known where the antenna was.
+#[derive(Debug, Clone, Copy)]
+struct Unplaced {
+    report: Report,
+    /// Measurement time, and UTC of this computer, when it arrived.
+    present_ns: i64,
+    now_ns: u64,
 }
 
 /// A radar that is listened to.
@@ -95,11 +110,17 @@ pub struct LiveRadar {
     antenna: Antenna,
     /// Measurement time of the last message of the antenna.
     service_ns: Option<i64>,
-    /// Reports since the turn is not known.
-    unturned: usize,
-    searched: Vec<Report>,
-    /// Whether each of the last 32 reports is astray, a bit each.
+    /// What the messages of an antenna say that is believed to stand.
+    started: Antenna,
+    /// Reports since the turn is not known, or does not fit them.
+    unplaced: Vec<Unplaced>,
+    /// So many of them have been searched for a turn, in vain.
+    searched: usize,
+    /// Reports of many turns have been searched for a turn, in vain.
+    has_searched: bool,
+    /// Whether each of the last 32 reports is astray, a bit each, and whether it fits an antenna that turns the other way.
     astray: u32,
+    mirrored: u32,
     habits: Habits,
     level: AmplitudeLevel,
     repeats: Repeats,
@@ -135,11 +156,14 @@ impl LiveRadar {
             source,
             azimuth_bias_rad: Registration::new(&plot_source.registration).azimuth_bias_rad(),
             clock: RadarClock::default(),
-            antenna: Antenna::new(plot_source.scan_period_s * NS_PER_S),
+            antenna: Antenna::new(plot_source.scan_period_s * NS_PER_S, plot_source.turning),
             service_ns: None,
-            unturned: 0,
-            searched: Vec::new(),
+            started: Antenna::new(plot_source.scan_period_s * NS_PER_S, None),
+            unplaced: Vec::new(),
+            searched: 0,
+            has_searched: false,
             astray: 0,
+            mirrored: 0,
             habits: Habits::new(plot_source.sigma_range_m, plot_source.sigma_range_rate_mps),
             level: AmplitudeLevel::new(plot_source.pfa),
             repeats: Repeats::default(),
@@ -178,10 +202,15 @@ impl LiveRadar {
         self.antenna.is_locked().then(|| self.antenna.turn_ns() / NS_PER_S)
     }
 
+    /// How the antenna turns, once it is known.
+    pub fn turning(&self) -> Option<Turning> {
+        self.antenna.is_locked().then(|| self.antenna.turning())
+    }
+
     /// What is wrong at present.
     pub fn trouble(&self) -> Option<Trouble> {
         match self.antenna.is_locked() {
-            false if self.unturned >= SEARCHED => Some(Trouble::NoTurn),
+            false if self.has_searched => Some(Trouble::NoTurn),
             true if self.is_astray() => Some(Trouble::Astray),
             _ => None,
         }
@@ -223,10 +252,7 @@ impl LiveRadar {
 
     fn record(&mut self, record: &Record<'_>, now_ns: u64) -> Result<(), Reject> {
         let message = Message::of(record).ok_or(Reject::OtherCategory)?;
-        let has_time = match &message {
-            Message::Target(report) => report.time_of_day.is_some(),
-            Message::Service(message) => message.time_of_day.is_some(),
-        };
+        let has_time = message.time_of_day().is_some();
         if self.repeats.is_repeated(record.edition.category, record.bytes, has_time, now_ns) {
             self.events.repeated += 1;
             return Ok(());
@@ -256,9 +282,9 @@ impl LiveRadar {
     }
 
     fn service(&mut self, message: &ServiceMessage, now_ns: u64) -> Result<(), Reject> {
-        let turned = match message.service {
+        let azimuth_rad = match message.service {
             Service::North => 0.0,
-            Service::Sector => turned(message.azimuth_rad.ok_or(Reject::NoPosition)?),
+            Service::Sector => message.azimuth_rad.ok_or(Reject::NoPosition)?,
             _ => return Err(Reject::NotATarget),
         };
         let time_ns = match message.time_of_day {
@@ -266,18 +292,29 @@ impl LiveRadar {
             None => self.clock.present_ns(now_ns),
         };
         self.service_ns = Some(time_ns);
+        if self.antenna.turning() == Turning::Standing {
+            self.watch(message.service, Fix { time_ns, turned: self.started.turned(azimuth_rad) });
+            return Ok(());
+        }
         if let Some(turn_s) = message.turn_s {
             self.antenna.set_turn(turn_s * NS_PER_S);
         }
-        let fix = Fix { time_ns, turned };
+        let fix = Fix { time_ns, turned: self.antenna.turned(azimuth_rad) };
         match self.antenna.fix(fix) {
             Change::Followed => {}
             Change::Outlier => {
                 self.events.astray += 1;
                 return Ok(());
             }
-            Change::Locked => self.start(time_ns),
+            Change::Locked => {
+                self.turn_by_reports();
+                self.start(time_ns);
+            }
             Change::Moved => self.resume(),
+            Change::Reversed => {
+                self.forget_waiting();
+                return Ok(());
+            }
         }
         if self.antenna.is_locked() {
             let sector = self.sector_of(fix);
@@ -316,32 +353,51 @@ impl LiveRadar {
             address: report.address.unwrap_or(0),
         };
         let present_ns = self.clock.present_ns(now_ns);
-        let silence_ns = self.service_ns.map_or(f64::INFINITY, |service_ns| (present_ns - service_ns) as f64);
-        let has_service = silence_ns < SILENT_TURNS * self.antenna.turn_ns();
-        if !self.antenna.is_locked() {
-            self.unturned += 1;
-            if !has_service {
-                self.search(report);
-            }
-            return Err(Reject::Late);
+        let unplaced = Unplaced { report, present_ns, now_ns };
+        if self.antenna.is_locked() {
+            return self.place(&unplaced);
         }
-        let turned = turned(report.azimuth_rad);
-        let time_ns = time_ns.unwrap_or_else(|| {
+        self.search(unplaced);
+        Ok(())
+    }
+
+    /// Whether the radar says where its antenna is.
+    fn has_service(&self, present_ns: i64) -> bool {
+        let silence_ns = self.service_ns.map_or(f64::INFINITY, |service_ns| (present_ns - service_ns) as f64);
+        silence_ns < SILENT_TURNS * self.antenna.turn_ns()
+    }
+
+    /// Takes a report to its sector.
+    fn place(&mut self, unplaced: &Unplaced) -> Result<(), Reject> {
+        let &Unplaced { report, present_ns, now_ns } = unplaced;
+        let has_service = self.has_service(present_ns);
+        let turned = self.antenna.turned(report.azimuth_rad);
+        let stands = self.antenna.turning() == Turning::Standing;
+        let time_ns = report.clock_ns.unwrap_or_else(|| {
+            if stands {
+                return present_ns;
+            }
             // The antenna was there last.
             let turn = self.antenna.turn_of(Fix { time_ns: present_ns, turned });
             let passed_ns = self.antenna.time_of(turn, turned);
             if passed_ns > present_ns { self.antenna.time_of(turn - 1, turned) } else { passed_ns }
         });
         let fix = Fix { time_ns, turned };
-        let fits = self.antenna.fits(fix);
+        // An antenna that stands sees what it sees at any time; only a rhythm is followed.
+        let is_followed = self.antenna.fits(fix);
+        let fits = is_followed || stands;
         self.astray = self.astray << 1 | u32::from(!fits);
+        self.mirrored = self.mirrored << 1 | u32::from(self.antenna.fits(fix.mirrored()));
         self.events.astray += u64::from(!fits);
-        if !has_service && fits {
+        if is_followed && (!has_service || stands) {
             self.antenna.fix(fix);
-        } else if !has_service && self.is_astray() {
-            self.antenna.unlock();
-            self.astray = 0;
         }
+        if self.is_astray() {
+            self.doubt(unplaced, has_service);
+        } else if stands {
+            self.search(*unplaced);
+        }
+        let fix = Fix { turned: self.antenna.turned(report.azimuth_rad), ..fix };
         let sector = self.sector_of(fix);
         let next = self.next.ok_or(Reject::Late)?;
         if fits && let Some(since_ns) = self.complete_since(sector) {
@@ -350,7 +406,9 @@ impl LiveRadar {
         if sector < next {
             return Err(Reject::Late);
         }
-        if sector > next + TURNS_AHEAD * self.sectors {
+        let antenna = Fix { time_ns: present_ns, turned: 0.0 };
+        let furthest = next.max(self.first_sector(self.antenna.turn_of(antenna))) + TURNS_AHEAD * self.sectors;
+        if sector > furthest {
             return Err(Reject::BadPlot);
         }
         let waiting = self.waiting.entry(sector).or_default();
@@ -362,23 +420,100 @@ impl LiveRadar {
         Ok(())
     }
 
-    /// Looks for the turn in the reports of a radar without north markers.
-    fn search(&mut self, report: Report) {
-        self.searched.push(report);
-        if self.searched.len() < SEARCHED {
+    /// Most of the last reports are astray: the antenna turns the other way, or it is not known what it does.
+    fn doubt(&mut self, unplaced: &Unplaced, has_service: bool) {
+        if self.mirrored.count_ones() >= FITTING && self.antenna.reverse() {
+            (self.astray, self.mirrored) = (0, 0);
+            self.forget_waiting();
+            self.resume();
+        } else if has_service {
+            self.search(*unplaced);
+        } else {
+            self.antenna.unlock();
+            self.astray = 0;
+        }
+    }
+
+    /// Keeps a report, and looks for the turn in those that are kept once they are enough: where the radar says nothing of its
+    /// antenna, or says for long what does not fit.
+    fn search(&mut self, unplaced: Unplaced) {
+        self.unplaced.push(unplaced);
+        let is_full = self.unplaced.len() >= MOST_UNPLACED;
+        let times = [self.unplaced[0].present_ns, unplaced.present_ns];
+        let turns = (times[1] - times[0]) as f64 / self.antenna.turn_ns();
+        let has_service = self.has_service(unplaced.present_ns);
+        let enough_turns = if has_service { SILENT_TURNS } else { SHORTEST_SEARCHED };
+        let is_enough = self.unplaced.len() >= SEARCHED.max(2 * self.searched) && turns >= enough_turns;
+        if !is_enough && !is_full {
             return;
         }
-        let found = norths(&self.searched, self.antenna.turn_ns() as i64);
-        self.searched.clear();
-        if let Some([.., before, last]) = found.as_deref() {
-            self.antenna.lock(last.clock_ns, (last.clock_ns - before.clock_ns) as f64);
-            self.start(last.clock_ns);
+        let reports: Vec<Report> = self.unplaced.iter().map(|unplaced| unplaced.report).collect();
+        let is_locked = self.antenna.is_locked();
+        let nominal_ns = self.antenna.turn_ns() as i64;
+        let learnt = learn(&reports, nominal_ns, self.config.plot_source.turning);
+        // What does not turn in a few turns may turn slowly.
+        let is_over = is_full || turns >= LEAST_STOPPED;
+        if learnt.is_none() && !is_over {
+            self.searched = self.unplaced.len();
+            return;
+        }
+        self.searched = 0;
+        self.has_searched = learnt.is_none();
+        let is_news = |learnt: &Learnt| {
+            // Reports alone are not believed against what the radar says of an antenna that turns.
+            let stands = [learnt.turning, self.antenna.turning()].map(|turning| turning == Turning::Standing);
+            !is_locked || stands[0] != stands[1]
+        };
+        if let Some(learnt) = learnt.filter(is_news) {
+            let turn_ns = learnt.last_turn_ns(nominal_ns);
+            if is_locked {
+                self.unplaced.clear(); // they have been placed
+            }
+            if let Some(last) = learnt.norths.last() {
+                self.antenna.start(learnt.turning, last.clock_ns, turn_ns as f64);
+                (self.astray, self.mirrored) = (0, 0);
+                self.started = Antenna::new(turn_ns as f64, None);
+                return self.start(last.clock_ns);
+            }
+        }
+        if !is_locked {
+            self.rejected.count_many(Reject::Late, self.unplaced.len() as u64);
+        }
+        self.unplaced.clear();
+    }
+
+    /// Follows what the messages of an antenna say that is believed to stand: sector messages that go on are of one that turns.
+    fn watch(&mut self, service: Service, fix: Fix) {
+        if service == Service::Sector
+            && self.config.plot_source.turning.is_none()
+            && self.started.fix(fix) == Change::Locked
+        {
+            self.antenna = std::mem::replace(&mut self.started, Antenna::new(self.antenna.turn_ns(), None));
+            (self.astray, self.mirrored) = (0, 0);
+            self.unplaced.clear();
+            self.start(fix.time_ns);
+        }
+    }
+
+    /// The reports that were kept may tell that an antenna whose place is known turns the other way.
+    fn turn_by_reports(&mut self) {
+        let fits = |fix: &Fix| self.antenna.fits(*fix);
+        let timed = self.unplaced.iter().filter_map(|it| Some((it.report.clock_ns?, it.report.azimuth_rad)));
+        let fixes: Vec<Fix> = timed.map(|(time_ns, it)| Fix { time_ns, turned: self.antenna.turned(it) }).collect();
+        let usual = fixes.iter().filter(|fix| fits(fix)).count();
+        let other = fixes.iter().filter(|fix| fits(&fix.mirrored())).count();
+        if fixes.len() >= FEWEST_KEPT && 4 * other >= 3 * fixes.len() && other > 2 * usual {
+            self.antenna.reverse();
         }
     }
 
     /// The sector of a passage: one that begins there, or there but for the rounding of its angle.
     fn sector_of(&self, fix: Fix) -> i64 {
-        let sector = ((fix.turned + ROUNDING) * self.sectors as f64) as i64;
+        let turned = match self.antenna.turning() {
+            Turning::Standing => self.antenna.passed(fix.time_ns),
+            _ => fix.turned,
+        };
+        let sector = ((turned + ROUNDING) * self.sectors as f64) as i64;
         self.first_sector(self.antenna.turn_of(fix)) + sector.min(self.sectors - 1)
     }
 
@@ -386,27 +521,43 @@ impl LiveRadar {
         (turn + self.scan_of_turn_0) * self.sectors
     }
 
-    /// The turn is known: the first scan begins with the next north passage, unless one has begun before.
+    /// The turn is known: the first scan is that of the first report that is kept, or begins with the next north passage, unless
+    /// one has begun before.
     fn start(&mut self, time_ns: i64) {
+        let kept = std::mem::take(&mut self.unplaced);
+        (self.searched, self.has_searched) = (0, false);
         if self.next.is_some() {
-            return self.resume();
+            self.resume();
+        } else {
+            let first = kept.first().map(|it| Fix {
+                time_ns: it.report.clock_ns.unwrap_or(it.present_ns),
+                turned: self.antenna.turned(it.report.azimuth_rad),
+            });
+            let next = self.antenna.turn_of(Fix { time_ns, turned: 0.0 }) + 1;
+            let turn = first.map_or(next, |first| self.antenna.turn_of(first).min(next));
+            self.scan_of_turn_0 = i64::from(self.config.run.first_scan) - turn;
+            self.next = Some(self.first_sector(turn));
         }
-        let turn = self.antenna.turn_of(Fix { time_ns, turned: 0.0 }) + 1;
-        self.unturned = 0;
-        self.scan_of_turn_0 = i64::from(self.config.run.first_scan) - turn;
-        self.next = Some(self.first_sector(turn));
+        for unplaced in &kept {
+            if let Err(reason) = self.place(unplaced) {
+                self.rejected.count(reason);
+            }
+        }
     }
 
     /// The antenna is elsewhere: the scan that was begun ends with the next north passage, and the next one begins.
     fn resume(&mut self) {
         self.events.moved += 1;
-        self.unturned = 0;
         self.complete.clear();
         let Some(next) = self.next else { return };
         let begun = next.div_euclid(self.sectors);
         let turn = self.antenna.turn_of(Fix { time_ns: self.last_ns as i64, turned: 0.0 }) + 1;
         self.scan_of_turn_0 = begun + 1 - turn;
-        // What is waiting was sorted by the turns before.
+        self.forget_waiting();
+    }
+
+    /// What is waiting was sorted by turns that are not true.
+    fn forget_waiting(&mut self) {
         let lost: usize = self.waiting.values().map(Vec::len).sum();
         self.rejected.count_many(Reject::Late, lost as u64);
         self.waiting.clear();
@@ -481,6 +632,12 @@ impl LiveRadar {
     fn layout(&self) -> SectorLayout {
         let source_id = self.source.map_or(self.config.site.source_id(), |source| source.number().into());
         let has_range_rate = 2 * self.with_range_rate > self.reports;
-        SectorLayout::new(source_id, &self.config.plot_source, &self.config.site, has_range_rate)
+        SectorLayout::new(
+            source_id,
+            self.antenna.turning(),
+            &self.config.plot_source,
+            &self.config.site,
+            has_range_rate,
+        )
     }
 }

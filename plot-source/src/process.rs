@@ -1,6 +1,8 @@
 //! The process `plot-source`: publishes plots of a recording, at its pace, or of a radar that it listens to.
 
 use std::process::ExitCode;
+use std::thread;
+use std::time::Duration;
 
 use anyhow::Context;
 use common::config::ChainConfig;
@@ -16,6 +18,9 @@ use common::truth::{TruthHeader, TruthTarget};
 
 use crate::{Source, listening};
 
+/// How often work that takes long is looked after.
+const LOOK: Duration = Duration::from_millis(2);
+
 /// Name of the process.
 pub const NAME: &str = "plot-source";
 
@@ -29,13 +34,13 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
     if !chain.plot_source.listen.is_empty() {
         return listening::run(&chain);
     }
-    let mut source = Source::open(&chain).map_err(|error| BadInput(error.to_string()))?;
+    let mut outlet = Outlet::open(&chain)?;
+    let mut source = outlet.while_it_lasts(|| Source::open(&chain))?.map_err(|error| BadInput(error.to_string()))?;
     let code = source.exit_code();
     if chain.run.first_scan == 0 {
         source.notes().iter().for_each(|note| say(note)); // of the whole file: said once, not at every restart
     }
     source.skip_to(chain.run.first_scan);
-    let mut outlet = Outlet::open(&chain)?;
     if chain.run.first_scan == 0 {
         outlet.reporter.health.set_rejected(source.rejected());
     }
@@ -86,6 +91,20 @@ impl Outlet {
         let session = new_session();
         let reporter = HealthReporter::new(&station, chain, session, refused)?;
         Ok(Self { plots, truth, reporter, session })
+    }
+
+    /// Does what takes long, and reports health meanwhile.
+    fn while_it_lasts<T: Send>(&mut self, work: impl FnOnce() -> T + Send) -> anyhow::Result<T> {
+        thread::scope(|scope| {
+            let worker = scope.spawn(work);
+            while !worker.is_finished() {
+                if self.reporter.is_due() {
+                    self.reporter.publish()?;
+                }
+                thread::sleep(LOOK);
+            }
+            worker.join().map_err(|_| anyhow::anyhow!("reading recordings: it panicked"))
+        })
     }
 
     /// Waits for those who must receive plots and truth.

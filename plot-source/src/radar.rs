@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use asterix::clock::DayClock;
 use asterix::editions::Editions;
-use asterix::recording::Recording;
+use asterix::record::Record;
+use asterix::recording::{Received, Recording};
 use asterix::report::{Artificial, Message, Service, ServiceMessage, SourceId, TargetReport};
 use common::angle;
 use common::config::{PlotSourceConfig, SiteConfig};
@@ -12,6 +13,7 @@ use common::health::{Reject, Rejected};
 
 use crate::contents::Contents;
 use crate::habits::{Habits, RangeRates};
+use crate::repeats::Repeats;
 use crate::scan_lines::ScanLines;
 use crate::table::Table;
 use crate::turning::norths_after;
@@ -95,7 +97,12 @@ impl RadarRecording {
         let mut recording = Self::default();
         let file = Recording::new(bytes, editions);
         let mut all = Vec::new();
+        let mut repeats = Repeats::default();
         for record in file.records(editions) {
+            if record.as_ref().is_ok_and(|received| is_repeated(received, &mut repeats)) {
+                recording.contents.repeated += 1;
+                continue;
+            }
             match recording.contents.take(record, &mut recording.rejected) {
                 Ok(message) => all.push(message),
                 Err(reason) => recording.rejected.count(reason),
@@ -227,6 +234,13 @@ impl Intake<'_> {
     }
 }
 
+/// Whether a record was captured before: on a second line, or twice on one. A file of blocks knows nothing of lines.
+fn is_repeated(received: &Received<'_>, repeats: &mut Repeats) -> bool {
+    let Some((now_ns, message)) = received.time_ns.zip(Message::of(&received.record)) else { return false };
+    let Record { edition, bytes, .. } = received.record;
+    repeats.is_repeated(edition.category, bytes, message.time_of_day().is_some(), now_ns)
+}
+
 /// The target reports of a sensor, and those that name none.
 fn own_report(source: Option<SourceId>) -> impl Fn(&Message) -> Option<&TargetReport> {
     move |message| match message {
@@ -237,10 +251,7 @@ fn own_report(source: Option<SourceId>) -> impl Fn(&Message) -> Option<&TargetRe
 
 /// A clock that knows the day's time also where the first reports send only a part of it.
 fn clock_of(messages: &[Message], midnight_ns: u64) -> DayClock {
-    let mut times = messages.iter().filter_map(|message| match message {
-        Message::Target(report) => report.time_of_day,
-        Message::Service(message) => message.time_of_day,
-    });
+    let mut times = messages.iter().filter_map(Message::time_of_day);
     let first_whole = times.find(|time| time.period == asterix::report::TimeOfDay::DAY);
     match first_whole {
         Some(time) => {

@@ -21,9 +21,10 @@
 use std::f64::consts::TAU;
 
 use asterix::clock::STEP_NS;
+use common::turning::Turning;
 use common::units::NS_PER_S;
 
-use crate::antenna::FARTHEST;
+use crate::antenna::{FARTHEST, STANDING_AT};
 use crate::continuity::Gap;
 use crate::radar::{Cycle, Report};
 
@@ -59,6 +60,7 @@ pub struct Pause {
 /// The turns of a recording: turn k lasts from begin to end of `turns_ns[k]`, in measurement time.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rotations {
+    turning: Turning,
     turns_ns: Vec<(i64, i64)>,
     /// Steps of the clock.
     pub steps: Vec<ClockStep>,
@@ -163,6 +165,21 @@ impl Rotations {
         Some(this)
     }
 
+    /// The same turns of an antenna that turns so.
+    #[must_use]
+    pub fn turning(self, turning: Turning) -> Self {
+        Self { turning, ..self }
+    }
+
+    /// Time from north to an azimuth in a turn of `turn_ns`, ns; of an antenna that stands, to the middle of its period.
+    fn after_north_ns(&self, turn_ns: f64, azimuth_rad: f64) -> f64 {
+        match self.turning {
+            Turning::Clockwise => turn_ns * azimuth_rad / TAU,
+            Turning::CounterClockwise => turn_ns * self.turning.turned(azimuth_rad),
+            Turning::Standing => turn_ns * STANDING_AT,
+        }
+    }
+
     /// The turns between one north passage and the next.
     fn add_turns(&mut self, from_ns: i64, passed_ns: i64, between: &Between, turn_ns: i64) {
         let turns = match *between {
@@ -209,7 +226,7 @@ impl Rotations {
     pub fn time_of(&self, reports_before: usize, report: &Report) -> i64 {
         let last = self.norths.partition_point(|north| north.reports_before <= reports_before).saturating_sub(1);
         let (north, next) = (self.norths[last], self.norths.get(last + 1));
-        let turned_ns = (north.turn_ns as f64 * report.azimuth_rad / TAU) as i64;
+        let turned_ns = self.after_north_ns(north.turn_ns as f64, report.azimuth_rad) as i64;
         let is_before_all = reports_before < north.reports_before;
         let expected_ns = north.time_ns + turned_ns - if is_before_all { north.turn_ns } else { 0 };
         let Some(clock_ns) = report.clock_ns else { return expected_ns };
@@ -223,11 +240,12 @@ impl Rotations {
         }
     }
 
-    /// Whether the antenna passed an azimuth at about a time in a turn.
+    /// Whether the antenna passed an azimuth at about a time in a turn; one that stands passes all at any time.
     pub fn fits(&self, scan: usize, time_ns: i64, azimuth_rad: f64) -> bool {
         let (begin, end) = self.turns_ns[scan];
-        let (turn_ns, turned) = ((end - begin) as f64, azimuth_rad / TAU);
-        ((time_ns - begin) as f64 - turn_ns * turned).abs() <= FARTHEST * turn_ns
+        let turn_ns = (end - begin) as f64;
+        let away_ns = ((time_ns - begin) as f64 - self.after_north_ns(turn_ns, azimuth_rad)).abs();
+        self.turning == Turning::Standing || away_ns <= FARTHEST * turn_ns
     }
 
     /// The turn that a report belongs to: the one whose start is nearest to the time at which
@@ -237,7 +255,7 @@ impl Rotations {
         let candidates = roughly.saturating_sub(1)..(roughly + 2).min(self.turns_ns.len());
         let distance = |scan: &usize| {
             let (begin, end) = self.turns_ns[*scan];
-            let turned_ns = ((end - begin) as f64 * azimuth_rad / TAU) as i64;
+            let turned_ns = self.after_north_ns((end - begin) as f64, azimuth_rad) as i64;
             (time_ns - turned_ns).abs_diff(begin)
         };
         let nearest = candidates.min_by_key(distance)?;

@@ -1,14 +1,16 @@
 //! Radar reports to the `plots` messages of a scan, one per sector.
 //!
 //! Within a turn, time and azimuth go together (see [`crate::rotation`]), but reports are in
-//! order of neither. A sector holds the reports of its azimuth interval, whatever their time
-//! says; as all reports of a turn are at hand, each interval is complete when it is published.
+//! order of neither. A sector holds the reports of its interval of beam angle, whatever their time
+//! says; as all reports of a turn are at hand, each interval is complete when it is published. Of an antenna that stands, a
+//! sector holds what came in its share of the period.
 
 use std::f64::consts::TAU;
 
 use common::config::{PlotSourceConfig, SiteConfig};
 use common::message::{END_OF_SCAN, TRUNCATED};
 use common::plots::{ARTIFICIAL, HAS_ELEVATION, HAS_RANGE_RATE, HAS_STATISTIC, MAX_PLOTS, Plot, PlotsHeader};
+use common::turning::Turning;
 use common::units::{NS_PER_S, seconds_between};
 
 use crate::radar::Report;
@@ -33,6 +35,7 @@ pub struct Sighting {
 #[derive(Debug, Clone)]
 pub struct SectorLayout {
     sectors: u32,
+    turning: Turning,
     plot: Plot,
     header: PlotsHeader,
     sigma_range_rate_mps: f32,
@@ -43,8 +46,14 @@ pub struct SectorLayout {
 }
 
 impl SectorLayout {
-    /// From the configuration of the radar, which calls itself `source_id` (SAC and SIC) and may measure range rates.
-    pub fn new(source_id: u32, config: &PlotSourceConfig, site: &SiteConfig, has_range_rate: bool) -> Self {
+    /// From the configuration of the radar, which calls itself `source_id` (SAC and SIC), turns so and may measure range rates.
+    pub fn new(
+        source_id: u32,
+        turning: Turning,
+        config: &PlotSourceConfig,
+        site: &SiteConfig,
+        has_range_rate: bool,
+    ) -> Self {
         let plot = Plot {
             sigma_range_m: config.sigma_range_m as f32,
             sigma_azimuth_rad: config.sigma_azimuth_deg.to_radians() as f32,
@@ -63,6 +72,7 @@ impl SectorLayout {
         };
         Self {
             sectors: config.sectors_per_scan,
+            turning,
             plot,
             header,
             sigma_range_rate_mps: if has_range_rate { config.sigma_range_rate_mps as f32 } else { 0.0 },
@@ -124,7 +134,14 @@ impl SectorLayout {
     pub fn messages(&self, scan: u32, bounds_ns: (u64, u64), sightings: &[Sighting]) -> Vec<(PlotsHeader, Vec<Plot>)> {
         let mut sectors = vec![Vec::new(); self.sectors as usize];
         for sighting in sightings {
-            let sector = (sighting.report.azimuth_rad / TAU * f64::from(self.sectors)) as usize;
+            let turned = match self.turning {
+                Turning::Clockwise => sighting.report.azimuth_rad / TAU,
+                Turning::CounterClockwise => self.turning.turned(sighting.report.azimuth_rad),
+                Turning::Standing => {
+                    seconds_between(bounds_ns.0, sighting.time_ns) / seconds_between(bounds_ns.0, bounds_ns.1)
+                }
+            };
+            let sector = (turned * f64::from(self.sectors)) as usize;
             sectors[sector.min(self.sectors as usize - 1)].push(*sighting);
         }
         let numbered = (0..self.sectors).zip(&sectors);
@@ -146,17 +163,22 @@ impl SectorLayout {
         let end_of_scan = if sector + 1 == self.sectors { END_OF_SCAN } else { 0 };
         let truncated = if left_out > 0 { TRUNCATED } else { 0 };
         let turned = f64::from(sector + 1) / f64::from(self.sectors);
+        let covered = match self.turning {
+            Turning::Standing if end_of_scan == 0 => [0.0, 0.0],
+            Turning::Standing => [0.0, TAU],
+            _ => [TAU * f64::from(sector) / f64::from(self.sectors), TAU * turned],
+        };
         let period_ns = bounds_ns.1 - bounds_ns.0;
         let header = PlotsHeader {
             seq: u64::from(scan) * u64::from(self.sectors) + u64::from(sector),
             time_ns: self.measured_ns(bounds_ns.0 + (period_ns as f64 * turned) as u64),
-            covered_from_rad: TAU * f64::from(sector) / f64::from(self.sectors),
-            covered_to_rad: TAU * turned,
+            covered_from_rad: covered[0],
+            covered_to_rad: covered[1],
             scan_period_s: seconds_between(bounds_ns.0, bounds_ns.1),
             detections: (plots.len() + left_out) as u64,
             scan,
             sector,
-            flags: end_of_scan | truncated,
+            flags: end_of_scan | truncated | self.turning.flags(),
             left_out: left_out as u32,
             ..self.header
         };
@@ -180,7 +202,7 @@ mod tests {
         let mut config = ChainConfig::default();
         config.plot_source.sigma_height_m = 50.0;
         config.plot_source.sigma_range_rate_mps = 2.0;
-        let layout = SectorLayout::new(7, &config.plot_source, &config.site, true);
+        let layout = SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, true);
         assert_eq!(layout.plot(&sighting(1.0)).flags, 0);
         let (range_m, height_m) = (50_000.0, 6_000.0);
         let mut full = Sighting { statistic: Some(9.0), ..sighting(1.0) };
@@ -201,10 +223,10 @@ mod tests {
         assert!((f64::from(plot.sigma_elevation_rad) - 50.0 / range_m).abs() < 1e-5);
         assert_eq!(plot.target_id, 0, "who it is is not asked for");
         config.plot_source.use_identity = true;
-        let identified = SectorLayout::new(7, &config.plot_source, &config.site, true).plot(&full);
+        let identified = SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, true).plot(&full);
         assert_eq!(identified, Plot { target_id: 0x4a_bc_de, ..plot });
         config.plot_source.registration.plot_lag_s = 5e-9;
-        let late = SectorLayout::new(7, &config.plot_source, &config.site, true).plot(&full);
+        let late = SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, true).plot(&full);
         assert_eq!((identified.time_ns, late.time_ns), (7, 2));
         full.report.range_m = 100.0;
         assert!(!layout.plot(&full).has(HAS_ELEVATION), "a height above the slant range says no elevation");
@@ -213,7 +235,7 @@ mod tests {
     #[test]
     fn every_report_is_in_the_sector_of_its_azimuth_and_every_sector_is_there() {
         let config = ChainConfig::default();
-        let layout = SectorLayout::new(7, &config.plot_source, &config.site, false);
+        let layout = SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, false);
         let messages = layout.messages(3, (1_000, 2_000), &[TAU - 1e-9, 0.3, 0.21].map(sighting));
         assert_eq!(messages.len(), 32);
         for (index, (header, plots)) in messages.iter().enumerate() {
@@ -224,5 +246,23 @@ mod tests {
         }
         assert_eq!(messages[1].1.iter().map(|plot| plot.azimuth_rad).collect::<Vec<_>>(), [0.21, 0.3]);
         assert_eq!((messages[0].0.time_ns, messages[31].0.time_ns), (1_031, 2_000));
+    }
+
+    /// The sectors of an antenna that turns the other way run from north by west; one that stands has them by time, and covers
+    /// all with the last one.
+    #[test]
+    fn sectors_are_those_of_the_beam() {
+        let config = ChainConfig::default();
+        let of = |turning| SectorLayout::new(7, turning, &config.plot_source, &config.site, false);
+        let messages = of(Turning::CounterClockwise).messages(3, (1_000, 2_000), &[TAU - 0.01, 0.01].map(sighting));
+        let counts: Vec<usize> = messages.iter().map(|(_, plots)| plots.len()).collect();
+        assert_eq!((counts[0], counts[31], counts.iter().sum::<usize>()), (1, 1, 2));
+        assert!((messages[0].1[0].azimuth_rad - (TAU - 0.01)).abs() < 1e-12);
+        assert!(messages.iter().all(|(header, _)| header.turning() == Turning::CounterClockwise));
+        let seen = [1_001, 1_600].map(|time_ns| Sighting { time_ns, ..sighting(3.0) });
+        let messages = of(Turning::Standing).messages(3, (1_000, 2_000), &seen);
+        assert_eq!((messages[0].1.len(), messages[19].1.len()), (1, 1));
+        assert!(messages[..31].iter().all(|(header, _)| header.covered_to_rad == 0.0 && !header.has(END_OF_SCAN)));
+        assert_eq!((messages[31].0.covered_from_rad, messages[31].0.covered_to_rad), (0.0, TAU));
     }
 }

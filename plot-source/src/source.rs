@@ -4,12 +4,13 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use asterix::report::SourceId;
-use common::config::{ChainConfig, SiteConfig};
+use common::config::{ChainConfig, PlotSourceConfig, SiteConfig};
 use common::health::{Reject, Rejected};
 use common::message::{END_OF_SCAN, END_OF_STREAM};
 use common::plots::{Plot, PlotsHeader};
 use common::process::EXIT_CHECK_BROKEN;
 use common::truth::{MAX_TARGETS, TruthHeader, TruthTarget};
+use common::turning::Turning;
 use common::units::{NS_PER_S, seconds_between};
 
 use crate::contents::{Contents, editions};
@@ -17,14 +18,14 @@ use crate::error::SourceError;
 use crate::habits::RangeRates;
 use crate::level::AmplitudeLevel;
 use crate::live::Trouble;
-use crate::radar::{RadarRecording, WhichSource};
+use crate::radar::{RadarRecording, Report, WhichSource};
 use crate::registration::Registration;
 use crate::rotation::Rotations;
 use crate::scan_lines::ScanLines;
 use crate::sectors::{SectorLayout, Sighting};
 use crate::table::Table;
 use crate::truth::TruthRecording;
-use crate::turning::norths;
+use crate::turning::{Learnt, learn};
 use crate::unlike::what_is;
 
 /// The messages of one scan, in the order of their publication. Sessions and stamps are the shell's.
@@ -98,6 +99,9 @@ impl Source {
         let nominal_ns = (plot_source.scan_period_s * NS_PER_S) as i64;
         let scan_lines = ScanLines::of(radar);
         let table = if scan_lines.is_none() { Table::of(radar) } else { None };
+        if let Some(table) = table.as_ref().filter(|table| table.rows.is_empty()) {
+            return Err(SourceError::NoRow { path: path(), why: table.why_no_row() });
+        }
         let mut recording = if let Some(lines) = &scan_lines {
             RadarRecording::of_scans(lines, nominal_ns, bias_rad)
         } else if let Some(table) = &table {
@@ -109,26 +113,13 @@ impl Source {
             refuse_without_records(radar_path, radar, &recording.contents)?;
             recording
         };
-        let has_norths = !recording.cycles.is_empty();
-        if !has_norths {
-            recording.cycles = norths(&recording.reports, nominal_ns).unwrap_or_default();
-        }
-        let assumes_turns = table.is_some() && recording.cycles.is_empty();
-        if assumes_turns {
-            recording.assume_turns(nominal_ns);
-        }
-        let errors = (plot_source.sigma_range_m, plot_source.sigma_azimuth_deg.to_radians());
-        let rotations =
-            rotations_of(&recording, nominal_ns, errors).ok_or_else(|| SourceError::NoCycle { path: path() })?;
+        let turns = Turns::of(&mut recording, plot_source, table.is_some())
+            .ok_or_else(|| SourceError::NoCycle { path: path() })?;
+        let Turns { ref rotations, turning, .. } = turns;
         let mut notes = named(radar_path, recording.contents.notes());
         notes.extend(named(radar_path, about_source(&recording, config)));
-        if assumes_turns {
-            let text = "times and azimuths tell no turn: scans are as long as `plot_source.scan_period_s` says";
-            notes.extend(named(radar_path, vec![text.into()]));
-        } else if !has_norths {
-            let text = "no north markers: the turns are those that times and azimuths of the reports tell";
-            notes.extend(named(radar_path, vec![text.into()]));
-        }
+        notes.extend(named(radar_path, turns.notes()));
+        notes.extend(named(radar_path, table.as_ref().and_then(about_columns).into_iter().collect()));
         let unread = scan_lines.and_then(|lines| lines.unread).or_else(|| table.and_then(|table| table.unread));
         if let Some(unread) = &unread {
             let text =
@@ -136,7 +127,7 @@ impl Source {
             notes.extend(named(radar_path, vec![text]));
             recording.rejected.count_many(Reject::BadPlot, unread.lines);
         }
-        notes.extend(named(radar_path, about_time(&recording, &rotations, plot_source.scan_period_s)));
+        notes.extend(named(radar_path, about_time(&recording, rotations, plot_source.scan_period_s)));
         let mut is_sound = recording.contents.unread_bytes == 0 && unread.is_none();
 
         let mut rejected = recording.rejected;
@@ -173,14 +164,12 @@ impl Source {
             let sighting = Sighting { time_ns: time_ns.max(0) as u64, report: *report, statistic };
             reports.push((scan as u32, sighting));
         }
-        if !assumes_turns && 2 * astray > recording.reports.len() {
+        if !turns.are_assumed && 2 * astray > recording.reports.len() {
             notes.extend(named(radar_path, vec![Trouble::Astray.to_string()]));
         }
         if reports.is_empty() {
             is_sound = false;
-            let without = rejected.of(Reject::NoPosition);
-            let found = format!("not one plot; {without} target reports without range and azimuth (item 040)");
-            notes.extend(named(radar_path, vec![found]));
+            notes.extend(named(radar_path, vec![about_nothing(&rejected)]));
         }
         reports.sort_by_key(|&(scan, _)| scan);
         let available = rotations.scans() as u32;
@@ -188,7 +177,8 @@ impl Source {
         let source_id = recording.source.map_or(config.site.source_id(), |source| source.number().into());
         let with_range_rate = recording.reports.iter().filter(|report| report.range_rate_mps.is_some()).count();
         let has_range_rate = 2 * with_range_rate > recording.reports.len();
-        let layout = SectorLayout::new(source_id, plot_source, &config.site, has_range_rate);
+        let layout = SectorLayout::new(source_id, turning, plot_source, &config.site, has_range_rate);
+        let rotations = turns.rotations;
         Ok(Self { layout, rotations, reports, truth, scans, next: 0, rejected, records, notes, is_sound })
     }
 
@@ -261,11 +251,109 @@ impl Iterator for Source {
     }
 }
 
+/// The turns of a recording, and how they are known.
+struct Turns {
+    rotations: Rotations,
+    turning: Turning,
+    /// The radar says when its antenna passes north.
+    has_norths: bool,
+    /// Nothing tells them: they are as long as the configuration says.
+    are_assumed: bool,
+}
+
+impl Turns {
+    /// Those of a recording, which may be a table; `None` without a north passage.
+    fn of(recording: &mut RadarRecording, config: &PlotSourceConfig, is_table: bool) -> Option<Self> {
+        let nominal_ns = (config.scan_period_s * NS_PER_S) as i64;
+        let errors = (config.sigma_range_m, config.sigma_azimuth_deg.to_radians());
+        let has_norths = !recording.cycles.is_empty();
+        let mut turning = config.turning.unwrap_or_default();
+        if !has_norths && let Some(learnt) = learn(&recording.reports, nominal_ns, config.turning) {
+            Learnt { turning, norths: recording.cycles } = learnt;
+        }
+        let are_assumed = is_table && recording.cycles.is_empty();
+        if are_assumed {
+            recording.assume_turns(nominal_ns);
+        }
+        let mut rotations = rotations_of(recording, nominal_ns, errors)?.turning(turning);
+        if has_norths && recording.half_turn_ns.is_none() && config.turning.is_none() {
+            let learnt = otherwise(recording, &rotations, nominal_ns);
+            turning = learnt.as_ref().map_or(turning, |learnt| learnt.turning);
+            if let Some(Learnt { turning: Turning::Standing, norths }) = learnt {
+                recording.cycles = norths;
+                rotations = rotations_of(recording, nominal_ns, errors)?;
+            }
+            rotations = rotations.turning(turning);
+        }
+        Some(Self { rotations, turning, has_norths, are_assumed })
+    }
+
+    /// What the user should know of them.
+    fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if self.are_assumed {
+            notes.push("times and azimuths tell no turn: scans are as long as `plot_source.scan_period_s` says".into());
+        } else if !self.has_norths && self.turning != Turning::Standing {
+            notes.push("no north markers: the turns are those that times and azimuths of the reports tell".into());
+        }
+        if self.turning != Turning::Clockwise {
+            notes.push(said_of(self.turning).into());
+        }
+        notes
+    }
+}
+
+/// What the user should know of the columns of a table.
+fn about_columns(table: &Table) -> Option<String> {
+    let names: Vec<String> = table.ignored.iter().map(|name| format!("`{name}`")).collect();
+    (!names.is_empty()).then(|| format!("columns ignored: {}", names.join(", ")))
+}
+
+/// Why there is not one plot.
+fn about_nothing(rejected: &Rejected) -> String {
+    let (without, left_out) = (rejected.of(Reject::NoPosition), rejected.of(Reject::FixedMonitor));
+    format!(
+        "not one plot; {without} target reports without range and azimuth (item 040), {left_out} simulated, of a test or of a \
+         monitor (keys `plot_source.use_simulated`, `use_test`, `use_monitors`)"
+    )
+}
+
 /// The turns of a recording; `None` without a north passage.
 fn rotations_of(recording: &RadarRecording, nominal_ns: i64, errors: (f64, f64)) -> Option<Rotations> {
     match recording.half_turn_ns {
         Some(_) => Rotations::of_scans(&recording.cycles, nominal_ns),
         None => Rotations::new(&recording.cycles, &recording.reports, nominal_ns, errors),
+    }
+}
+
+/// How the antenna turns, if the reports do not fit an antenna that turns clockwise and passes north when it says so, but another.
+fn otherwise(recording: &RadarRecording, rotations: &Rotations, nominal_ns: i64) -> Option<Learnt> {
+    let reports = &recording.reports;
+    let fitting = |rotations: &Rotations| {
+        let fits = |(index, report): (usize, &Report)| {
+            let time_ns = rotations.time_of(index, report);
+            let scan = rotations.scan_of(time_ns, report.azimuth_rad);
+            report.clock_ns.is_some() && scan.is_some_and(|scan| rotations.fits(scan, time_ns, report.azimuth_rad))
+        };
+        reports.iter().enumerate().filter(|&report| fits(report)).count()
+    };
+    let timed = reports.iter().filter(|report| report.clock_ns.is_some()).count();
+    if timed == 0 || 2 * fitting(rotations) >= timed {
+        return None;
+    }
+    let turning = Turning::CounterClockwise;
+    if 4 * fitting(&rotations.clone().turning(turning)) >= 3 * timed {
+        return Some(Learnt { turning, norths: Vec::new() });
+    }
+    learn(reports, nominal_ns, None).filter(|learnt| learnt.turning == Turning::Standing)
+}
+
+/// How an antenna turns, for the user.
+pub(crate) fn said_of(turning: Turning) -> &'static str {
+    match turning {
+        Turning::Clockwise => "the antenna turns clockwise",
+        Turning::CounterClockwise => "the antenna turns counter-clockwise",
+        Turning::Standing => "the antenna stands: a scan is a period in which targets are reported once",
     }
 }
 

@@ -8,9 +8,17 @@
 //! | `range_rate_mps` | range rate, positive when receding; may be absent | m/s |
 //! | `height_m` | height above the sea; may be absent | m |
 //! | `amplitude_db` | amplitude relative to any reference; may be absent | dB |
+//!
+//! Other columns are ignored, and named. A value that is no number (`nan`, `NaN`) is absent.
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use common::units::NS_PER_S;
 use serde::Deserialize;
+use serde_json::Value;
+
+/// Names of the columns.
+const COLUMNS: [&str; 6] = ["time_s", "range_m", "azimuth_deg", "range_rate_mps", "height_m", "amplitude_db"];
 
 /// Times below this are of the configured date, s.
 const TWO_DAYS_S: f64 = 2.0 * 86_400.0;
@@ -25,7 +33,6 @@ const LARGEST_AMPLITUDE_DB: f64 = 300.0;
 
 /// A line of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Row {
     time_s: f64,
     /// Slant range, m.
@@ -67,6 +74,8 @@ impl Row {
 pub struct Table {
     /// Lines in the order of the file.
     pub rows: Vec<Row>,
+    /// Columns that say nothing of a plot, in the order of their names.
+    pub ignored: BTreeSet<String>,
     /// Lines that could not be read, and why the first of them could not.
     pub unread: Option<Unread>,
 }
@@ -83,22 +92,53 @@ pub struct Unread {
 }
 
 impl Table {
-    /// The table that `bytes` are, if they are one of plots and hold at least one line that can be read.
+    /// The table that `bytes` are, if their header, or their first object, names a range.
     pub fn of(bytes: &[u8]) -> Option<Self> {
-        let text = std::str::from_utf8(bytes).ok()?;
-        let first = text.lines().next()?;
+        let text = String::from_utf8_lossy(bytes);
+        let text = text.trim_start_matches('\u{feff}');
+        let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+        let (_, first) = lines.clone().next()?;
         let mut table = Self::default();
         if first.starts_with('{') {
-            for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-                table.take(index + 1, serde_json::from_str(line).map_err(|error| error.to_string()));
+            if !first.contains("\"range_m\"") {
+                return None;
             }
-        } else if first.split(',').any(|name| name.trim() == "range_m") {
-            let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
-            for (index, row) in reader.deserialize().enumerate() {
-                table.take(index + 2, row.map_err(|error: csv::Error| reason(&error)));
+            for (index, line) in lines {
+                // What `json.dumps` makes of a number that is none is no JSON.
+                let cells = serde_json::from_str::<BTreeMap<String, Value>>(&line.replace("NaN", "null"));
+                let row = cells.map_err(|error| error.to_string()).and_then(|cells| table.row_of_values(cells));
+                table.take(index + 1, row);
+            }
+        } else {
+            let delimiter = if first.contains(';') { b';' } else { b',' };
+            let mut reader = csv::ReaderBuilder::new();
+            reader.trim(csv::Trim::All).flexible(true).comment(Some(b'#')).delimiter(delimiter);
+            let mut reader = reader.from_reader(text.as_bytes());
+            let names: Vec<String> = reader.headers().ok()?.iter().map(Into::into).collect();
+            if !names.iter().any(|name| name == "range_m") {
+                return None;
+            }
+            table.ignored.extend(names.iter().filter(|name| !COLUMNS.contains(&name.as_str())).cloned());
+            for cells in reader.records().flatten() {
+                let line = cells.position().map_or(0, csv::Position::line);
+                table.take(line as usize, row_of_cells(&names, &cells));
             }
         }
-        (!table.rows.is_empty()).then_some(table)
+        Some(table)
+    }
+
+    /// Why it has no row.
+    pub fn why_no_row(&self) -> String {
+        let of_first = |unread: &Unread| format!("line {}: {}", unread.first, unread.why);
+        let found = self.unread.as_ref().map_or("it ends after its header".into(), of_first);
+        format!("{found}; expected columns {}, of which the first three must have values", COLUMNS.join(", "))
+    }
+
+    fn row_of_values(&mut self, cells: BTreeMap<String, Value>) -> Result<Row, String> {
+        let (known, unknown): (BTreeMap<_, _>, BTreeMap<_, _>) =
+            cells.into_iter().partition(|(name, _)| COLUMNS.contains(&name.as_str()));
+        self.ignored.extend(unknown.into_keys());
+        serde_json::from_value(Value::Object(known.into_iter().collect())).map_err(|error| error.to_string())
     }
 
     fn take(&mut self, number: usize, row: Result<Row, String>) {
@@ -111,12 +151,20 @@ impl Table {
     }
 }
 
-/// Without the place, which is said otherwise.
-fn reason(error: &csv::Error) -> String {
-    match error.kind() {
-        csv::ErrorKind::Deserialize { err, .. } => err.to_string(),
-        _ => error.to_string(),
+/// A line of a table with a header; an empty cell, or one that is no number (`nan`), is absent.
+fn row_of_cells(names: &[String], cells: &csv::StringRecord) -> Result<Row, String> {
+    if cells.len() != names.len() {
+        return Err(format!("found {} cells, expected {}", cells.len(), names.len()));
     }
+    let mut known = serde_json::Map::new();
+    for (name, cell) in names.iter().zip(cells).filter(|(name, _)| COLUMNS.contains(&name.as_str())) {
+        if cell.is_empty() {
+            continue;
+        }
+        let value: f64 = cell.parse().map_err(|_| format!("`{cell}` in column `{name}` is no number"))?;
+        known.extend(serde_json::Number::from_f64(value).map(|value| (name.clone(), Value::Number(value))));
+    }
+    serde_json::from_value(Value::Object(known)).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]
@@ -142,13 +190,27 @@ mod tests {
         assert_eq!(table.rows.len(), 2);
         let unread = table.unread.expect("three lines");
         assert_eq!((unread.lines, unread.first), (3, 3));
-        assert!(unread.why.contains("invalid float"), "{}", unread.why);
+        assert_eq!(unread.why, "`abc` in column `range_m` is no number");
+    }
+
+    /// What tools of others make of a table: an index and further columns, numbers that are none, an octet of another encoding.
+    #[test]
+    fn what_a_table_holds_besides_is_left_out() {
+        let csv = b",time_s,range_m,azimuth_deg,height_m,id\n0,1,1000,90,nan,A\n1,2,1001,90,,\xe9\n";
+        let json = b"{\"time_s\":1,\"range_m\":1000,\"azimuth_deg\":90,\"height_m\":NaN,\"id\":\"A\"}\n";
+        let table = Table::of(csv).expect("a table");
+        assert_eq!((table.rows.len(), &table.unread, table.rows[0].height_m), (2, &None, None));
+        assert_eq!(table.ignored.iter().collect::<Vec<_>>(), ["", "id"]);
+        assert_eq!(Table::of(json).expect("a table").rows, table.rows[..1]);
+        let semicolons = Table::of(b"# radar\n\ntime_s;\"range_m\";azimuth_deg\n1;1000;90\n").expect("a table");
+        assert_eq!(semicolons.rows, table.rows[..1]);
+        let wrong = Table::of(b"time_s,range_m,azimuth\n1,1000,90\n").expect("a table, though not one line fits");
+        assert_eq!(wrong.unread.expect("a line").why, "missing field `azimuth_deg`");
     }
 
     #[test]
     fn other_tables_are_none() {
-        for other in [&b"a,b\n1,2\n"[..], b"{\"topic\":\"plots\"}\n", b"time_s,range_m,azimuth_deg\n", b"", b"\xff\xfe"]
-        {
+        for other in [&b"a,b\n1,2\n"[..], b"{\"topic\":\"plots\"}\n", b"", b"\xff\xfe"] {
             assert_eq!(Table::of(other), None);
         }
     }

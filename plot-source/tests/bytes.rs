@@ -127,7 +127,11 @@ fn the_sensor_of_the_site_is_taken_and_others_are_counted() {
 fn files_of_other_kinds_are_called_by_their_name() {
     let said = |bytes: &[u8], text: &str| assert!(refusal(bytes).ends_with(text), "{}", refusal(bytes));
     said(&[0x1f, 0x8b, 8, 0, 0], "category 001, 010 or 048: it is compressed by gzip");
-    said(b"time_s,range_m,azimuth_deg\n", "category 001, 010 or 048: it is a table (CSV)");
+    said(b"time_s,range,azimuth\n", "category 001, 010 or 048: it is a table (CSV)");
+    let empty = refusal(b"time_s,range_m,azimuth_deg\n");
+    assert!(empty.starts_with("radar.ast is a table of plots without a plot: it ends after its header; "), "{empty}");
+    let wrong = refusal(b"time_s,range_m,azimuth\n1,1000,90\n");
+    assert!(wrong.contains("without a plot: line 2: missing field `azimuth_deg`; expected columns time_s,"), "{wrong}");
     assert!(refusal(b"{\"topic\":\"plots\"}\n").contains("it is JSON lines"));
     let mut chain = chain();
     chain.plot_source.file = "udp://239.1.1.1:8600".into();

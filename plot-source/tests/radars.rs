@@ -117,8 +117,8 @@ fn tables_of_plots_give_the_same_tracks() {
         });
         format!("time_s,range_m,azimuth_deg\n{}", rows.collect::<String>())
     };
-    for (time_s, note) in [(|time_s| time_s, "no north markers"), (f64::floor, "times and azimuths tell no turn")]
-        as [(fn(f64) -> f64, &str); 2]
+    for (time_s, note) in
+        [(|time_s| time_s, "no north markers"), (f64::floor, "the antenna stands")] as [(fn(f64) -> f64, &str); 2]
     {
         let source = open(&chain(), table(time_s).as_bytes()).expect("a table");
         assert!(source.notes().iter().any(|text| text.contains(note)), "{:?}", source.notes());

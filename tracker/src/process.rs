@@ -7,7 +7,7 @@ use common::commands::{ACCEPTED, Command, CommandsHeader, REMOVE_ZONE};
 use common::config::{Mode, Source};
 use common::health::{Reject, Rejected};
 use common::ipc::{Domain, Flow, IpcError, Station, Subscriber, Turn, attend};
-use common::message::{END_OF_SCAN, END_OF_STREAM, Lineage, TRUNCATED};
+use common::message::{COUNTER_CLOCKWISE, END_OF_SCAN, END_OF_STREAM, Lineage, STANDING, TRUNCATED};
 use common::messages::{Actions, ClutterMap, Commands, Message, Plots, Tracks};
 use common::plots::PlotsHeader;
 use common::process::{HealthReporter, StageArgs, new_session, stop_requested};
@@ -158,7 +158,7 @@ pub fn header_of(plots: &PlotsHeader, processed: &Processed, taken_before: u64, 
         scan: plots.scan,
         sector: plots.sector,
         sectors_per_scan: plots.sectors_per_scan,
-        flags: plots.flags & (END_OF_SCAN | END_OF_STREAM),
+        flags: plots.flags & (END_OF_SCAN | END_OF_STREAM | COUNTER_CLOCKWISE | STANDING),
         alive: processed.alive,
         confirmed: processed.confirmed,
         rejected: processed.rejected.total() as u32,

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! A track is processed once per pass of the beam, as soon as the upper azimuth edge of its gates is
-//! covered. All angles are unwrapped ([`crate::beam::sweep`]), so north is no special place. Nothing here
+//! covered. All angles are unwrapped ([`crate::beam::sweep`]), so north is no special place, and grow with time, whichever way
+//! the antenna turns. Nothing here
 //! depends on the time of day, on threads or on the order of plots in a message.
 
 mod births;
@@ -16,6 +17,8 @@ mod duplicates;
 mod forecast;
 mod taking_over;
 mod updates;
+
+use std::f64::consts::TAU;
 
 use common::clutter_map::{AZIMUTHS, ClutterCell, ClutterMapHeader, RANGES};
 use common::commands::Command;
@@ -122,6 +125,7 @@ impl Tracker {
         }
         match self.sweep.advance(header) {
             Continuation::Onwards => {}
+            Continuation::Otherwise => self.meet_otherwise(header),
             Continuation::Late => {
                 for _ in plots {
                     processed.rejected.count(Reject::Late);
@@ -149,7 +153,7 @@ impl Tracker {
                 processed.rejected.count(reason);
             }
         }
-        self.plots.sort(&environment.radar);
+        self.plots.sort(&environment.radar, self.sweep.turning());
         let covered_rad = self.sweep.covered_to_rad();
         self.update_due(covered_rad, header.has(END_OF_STREAM), &environment, tracks);
         self.start_tracks(covered_rad, &mut environment, tracks);
@@ -180,6 +184,24 @@ impl Tracker {
     /// What has become since the last call of commands that take their time.
     pub fn take_told(&mut self) -> impl Iterator<Item = Command> + use<'_> {
         self.operator.take_told()
+    }
+
+    /// The antenna turns otherwise than before: tracks wait for it where it comes from there, and plots of before begin none.
+    fn meet_otherwise(&mut self, header: &PlotsHeader) {
+        let Self { sweep, plots, tracks, agenda, updates, .. } = self;
+        plots.clear();
+        agenda.clear();
+        let places: Vec<usize> = tracks.alive().collect();
+        for place in places {
+            let track = &mut tracks[place];
+            // What is predicted is of another time, and predicted anew before it is used.
+            track.next.angle_rad = sweep.next_at(header, track.next.position_m);
+            track.angle_rad = track.next.angle_rad - TAU;
+            track.last.angle_rad = track.angle_rad;
+            track.searched_to_rad = f64::NEG_INFINITY;
+            updates.rivals.record(place, &tracks[place]);
+            agenda.add(tracks.handle(place), &tracks[place].next);
+        }
     }
 
     /// Ends the tracks that an operator has dropped.

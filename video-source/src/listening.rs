@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use common::config::{ChainConfig, Mode};
 use common::dwell::DwellHeader;
 use common::message::{END_OF_SCAN, END_OF_SECTOR, END_OF_STREAM};
-use common::network::{Ears, LiveClock};
+use common::network::{Ears, LiveClock, NO_WAITING};
 use common::process::{BadInput, say, stop_requested, tell};
 
 use crate::live::LiveVideo;
@@ -30,10 +30,7 @@ pub(crate) fn run(chain: &ChainConfig) -> anyhow::Result<ExitCode> {
     let mut radar = LiveVideo::new(chain);
     let mut ears = Ears::open(chain.video_source.listen.iter().map(|name| ("video_source.listen", name.as_str())))?;
     if chain.run.mode == Mode::Lossless {
-        say(
-            "a radar is listened to with `run.mode` = \"lossless\": it does not wait, and what it sends while the chain is held up may be lost \
-             on the network (--set run.mode=real-time)",
-        );
+        say(NO_WAITING);
     }
     let mut outlet = Outlet::open(chain, chain.video_source.largest_cells as usize)?;
     let last_scan = if chain.run.scans == 0 { u32::MAX } else { chain.run.scans - 1 };

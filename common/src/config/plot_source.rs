@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::turning::Turning;
 use crate::units::DAY_NS;
 
 use super::load::{ConfigError, not_negative, positive, require, within};
@@ -32,6 +33,10 @@ pub struct PlotSourceConfig {
     pub sectors_per_scan: u32,
     /// Scan period, s, where the recording has too few start-of-cycle messages to tell; said if theirs differs.
     pub scan_period_s: f64,
+    /// How the antenna turns: `clockwise`, `counter-clockwise` or `standing`; learnt from times and azimuths where it is not
+    /// given. An antenna that stands has scans as long as reports of all targets are apart, or as `scan_period_s` says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turning: Option<Turning>,
     /// The radar sees no farther than this, m.
     pub coverage_range_m: f64,
     /// Standard error of the range of a plot, m.
@@ -74,6 +79,7 @@ impl Default for PlotSourceConfig {
             date: "1970-01-01".into(),
             sectors_per_scan: 32,
             scan_period_s: 1.0,
+            turning: None,
             coverage_range_m: 10_000.0,
             sigma_range_m: 3.0,
             sigma_azimuth_deg: 0.1,

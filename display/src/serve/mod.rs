@@ -26,6 +26,7 @@ use common::messages::RecordedRef;
 use common::status;
 use common::time::monotonic_ns;
 use common::tracks::{Track, TracksHeader};
+use common::turning::Turning;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -127,10 +128,9 @@ impl Served {
         let (picture, of_site) = (&*picture, &picture.sites[site]);
         match message {
             RecordedRef::Plots(header, plots) => {
-                let (sector, sectors) = (header.sector, header.sectors_per_scan);
                 self.hub.publish_text(Kind::Beam, || {
-                    let beam = SectorMessage::new(&of_site.name, header.scan, sector, sectors, picture.time_s());
-                    text(&beam)
+                    let place = (header.sector, header.sectors_per_scan);
+                    text(&SectorMessage::new(&of_site.name, header.scan, place, header.turning(), picture.time_s()))
                 });
                 let head = PlotsHead::new(&of_site.name, header);
                 self.hub.publish(Kind::Plots, |as_| table(as_, &head, &PLOTS, &PlotRow::all(plots, &of_site.place)));
@@ -138,8 +138,9 @@ impl Served {
             RecordedRef::Tracks(header, tracks) => {
                 if of_site.plots.is_empty() {
                     self.hub.publish_text(Kind::Beam, || {
-                        let (sector, sectors) = (header.sector, header.sectors_per_scan);
-                        text(&SectorMessage::new(&of_site.name, header.scan, sector, sectors, picture.time_s()))
+                        let (place, turning) =
+                            ((header.sector, header.sectors_per_scan), Turning::of_flags(header.flags));
+                        text(&SectorMessage::new(&of_site.name, header.scan, place, turning, picture.time_s()))
                     });
                 }
                 if of_site.operated.labels.len() != labels {

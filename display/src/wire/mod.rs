@@ -11,6 +11,7 @@ pub mod tracks;
 pub mod truth;
 pub mod video;
 
+use common::turning::Turning;
 use serde::Serialize;
 
 /// A stamp of the machine's monotonic clock, µs; `None` where a message has not been.
@@ -30,9 +31,10 @@ pub struct SectorMessage<'a> {
 }
 
 impl<'a> SectorMessage<'a> {
-    /// At the end of a sector, one of `sectors` in a scan.
-    pub fn new(site: &'a str, scan: u32, sector: u32, sectors: u32, time_s: f64) -> Self {
-        let azimuth_rad = std::f64::consts::TAU * f64::from(sector + 1) / f64::from(sectors.max(1));
+    /// At the end of sector number `sector` of a scan, one of `sectors`, of an antenna that turns so.
+    pub fn new(site: &'a str, scan: u32, (sector, sectors): (u32, u32), turning: Turning, time_s: f64) -> Self {
+        let turned_rad = std::f64::consts::TAU * f64::from(sector + 1) / f64::from(sectors.max(1));
+        let azimuth_rad = turning.mirrored(turned_rad);
         Self { r#type: "sector", site, scan, sector, time_s, azimuth_rad }
     }
 }

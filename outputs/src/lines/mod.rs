@@ -42,14 +42,14 @@ pub trait Line {
     /// Does what can be done now: connects, sends what waits, listens.
     fn attend(&mut self, now: Instant, events: &mut Vec<Event>);
 
+    /// Ends a connection that is of no more use, so that a new one is made.
+    fn give_up(&mut self, _why: &str, _now: Instant) {}
+
     /// Frames so far.
     fn counts(&self) -> Counts;
 
     /// Whether frames wait for a peer.
     fn is_waiting(&self) -> bool;
-
-    /// Leaves the peer, because of `why`, and connects to it again, where there is one.
-    fn leave(&mut self, _why: &str, _now: Instant) {}
 }
 
 /// Opens the line of the output `name`; one that the system refuses is tried again, and said.

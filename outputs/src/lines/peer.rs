@@ -133,16 +133,18 @@ impl Line for Peer {
         }
     }
 
+    fn give_up(&mut self, why: &str, now: Instant) {
+        if let State::Connected { .. } = self.state {
+            self.hang_up(&io::Error::other(why), now);
+        }
+    }
+
     fn counts(&self) -> Counts {
         self.counts
     }
 
     fn is_waiting(&self) -> bool {
         matches!(&self.state, State::Connected { outbox, .. } if outbox.waiting() > 0)
-    }
-
-    fn leave(&mut self, why: &str, now: Instant) {
-        self.hang_up(&io::Error::other(why), now);
     }
 }
 
@@ -201,6 +203,18 @@ mod tests {
         drop(stream);
         attend_until(&mut peer, "apart", |peer, _| matches!(peer.state, State::Apart { .. }));
         assert_eq!(peer.counts().sent + peer.counts().dropped, frames, "every frame is accounted for");
+    }
+
+    #[test]
+    fn a_connection_of_no_use_is_made_anew() {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let mut peer = Peer::new("x", listener.local_addr().expect("an address"), 1 << 16);
+        for _ in 0..2 {
+            attend_until(&mut peer, "opened", |_, events| events.contains(&Event::Opened));
+            let (mut stream, _) = listener.accept().expect("a connection");
+            peer.give_up("it says nothing of use", Instant::now());
+            assert_eq!(stream.read(&mut [0]).expect("the end"), 0);
+        }
     }
 
     #[test]

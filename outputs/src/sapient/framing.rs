@@ -26,7 +26,7 @@ impl Incoming {
         *self = Self::default();
     }
 
-    /// Whether no frame will be found any more on this connection.
+    /// Whether the frames of the stream are lost: nothing more comes out of it.
     pub(super) fn is_lost(&self) -> bool {
         self.is_lost
     }

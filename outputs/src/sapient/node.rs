@@ -21,8 +21,9 @@ use crate::targets::{Site, Target};
 const DEGREE_M: f64 = 111_320.0;
 /// Without tracks for so long, the node says that something is amiss.
 const SILENCE: Duration = Duration::from_secs(10);
-/// A peer that has not answered the registration for so long is connected to anew.
-const PATIENCE: Duration = Duration::from_secs(10);
+
+/// A peer that has not answered a registration for so long is reconnected to.
+const PATIENCE: Duration = Duration::from_secs(30);
 
 /// How far the registration has come on this connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,7 +32,7 @@ enum Standing {
     /// It waits for the first tracks: with them the latency is known.
     Connected,
     Asked {
-        at: SystemTime,
+        since: SystemTime,
     },
     Accepted,
     Refused,
@@ -57,8 +58,7 @@ pub struct EdgeNode {
     status_at: Option<SystemTime>,
     last_system: Option<i32>,
     not_said: u64,
-    dropped: u64,
-    discontent: Option<String>,
+    held_back: u64,
 }
 
 fn since_1970(time: SystemTime) -> Duration {
@@ -95,8 +95,7 @@ impl EdgeNode {
             status_at: None,
             last_system: None,
             not_said: 0,
-            dropped: 0,
-            discontent: None,
+            held_back: 0,
         })
     }
 
@@ -180,12 +179,6 @@ impl EdgeNode {
         }
     }
 
-    /// Wants another connection: on this one nothing will be agreed any more.
-    fn leave(&mut self, why: String) {
-        self.standing = Standing::Apart;
-        self.discontent = Some(why);
-    }
-
     /// Does what the other side asks for.
     fn answer(&mut self, content: Content) {
         match content {
@@ -239,7 +232,7 @@ impl Format for EdgeNode {
         self.latency_ns = self.latency_ns.max(update.latency_ns);
         self.has_news = true;
         if self.standing != Standing::Accepted {
-            self.dropped += update.targets.len() as u64;
+            self.held_back += update.targets.len() as u64;
             return;
         }
         for target in update.targets {
@@ -259,17 +252,22 @@ impl Format for EdgeNode {
     }
 
     fn heard(&mut self, octets: &[u8]) {
-        if self.standing == Standing::Apart {
-            return; // of a connection that has been given up
-        }
         for message in self.incoming.take(octets) {
             match message {
                 Ok(message) => message.content.into_iter().for_each(|content| self.answer(content)),
                 Err(error) => say(&format!("sapient: what the other side says is no message: {error}")),
             }
         }
-        if self.incoming.is_lost() {
-            self.leave("its messages have no frames any more".into());
+    }
+
+    fn is_useless(&self, now: SystemTime) -> Option<&'static str> {
+        match self.standing {
+            Standing::Apart => None,
+            _ if self.incoming.is_lost() => Some("what it says cannot be told apart into messages"),
+            Standing::Asked { since } if now.duration_since(since).is_ok_and(|waited| waited > PATIENCE) => {
+                Some("no answer to the registration")
+            }
+            _ => None,
         }
     }
 
@@ -281,12 +279,7 @@ impl Format for EdgeNode {
         if self.standing == Standing::Connected && self.tracks_at.is_some() {
             let registration = registration(&self.site, self.class, self.status_s, self.latency_ns);
             self.send(at, Content::Registration(registration), out);
-            self.standing = Standing::Asked { at: now };
-        }
-        if let Standing::Asked { at } = self.standing
-            && now.duration_since(at).is_ok_and(|waited| waited > PATIENCE)
-        {
-            self.leave(format!("it has not answered the registration for {PATIENCE:?}"));
+            self.standing = Standing::Asked { since: now };
         }
         for answer in std::mem::take(&mut self.answers) {
             self.send(at, answer, out);
@@ -310,12 +303,8 @@ impl Format for EdgeNode {
         }
     }
 
-    fn take_discontent(&mut self) -> Option<String> {
-        self.discontent.take()
-    }
-
-    fn dropped(&self) -> u64 {
-        self.dropped
+    fn held_back(&self) -> u64 {
+        self.held_back
     }
 
     fn not_said(&self) -> u64 {
@@ -384,26 +373,24 @@ mod tests {
         accept(&mut node);
         assert!(matches!(tick(&mut node, NOW)[..], [Content::StatusReport(_)]));
         assert!(matches!(tracks(&mut node, &seen)[..], [Content::DetectionReport(_)]));
-        assert_eq!(node.dropped(), 2, "what came before is counted");
         node.opened();
         assert_eq!(tracks(&mut node, &seen), [], "a new connection begins anew");
+        assert_eq!(node.held_back(), 3);
     }
 
     #[test]
-    fn a_peer_that_cannot_be_understood_or_does_not_answer_is_left() {
+    fn a_connection_without_sense_or_answer_is_of_no_use() {
         let mut node = node();
-        let seen = [track(7, NOON_NS, CONFIRMED)];
+        assert_eq!(node.is_useless(NOW), None);
         node.opened();
+        tracks(&mut node, &[]);
+        tick(&mut node, NOW);
+        assert_eq!(node.is_useless(NOW + Duration::from_secs(29)), None);
+        assert!(node.is_useless(NOW + Duration::from_secs(31)).is_some());
         node.heard(&[0xff; 10]);
-        assert!(node.take_discontent().is_some_and(|why| why.contains("no frames")));
-        assert_eq!((tracks(&mut node, &seen), node.dropped()), (vec![], 1));
+        assert!(node.is_useless(NOW).is_some());
         node.opened();
-        assert!(matches!(tick(&mut node, NOW)[..], [Content::Registration(_)]), "it begins anew");
-        tick(&mut node, NOW + PATIENCE);
-        assert_eq!(node.take_discontent(), None);
-        tick(&mut node, NOW + PATIENCE + Duration::from_secs(1));
-        assert!(node.take_discontent().is_some_and(|why| why.contains("registration")));
-        assert_eq!(node.take_discontent(), None, "said once");
+        assert_eq!(node.is_useless(NOW), None);
     }
 
     #[test]

@@ -103,6 +103,19 @@ impl Recorder<'_> {
         blocks
     }
 
+    /// Blocks of an antenna that stands: the reports of all targets at once, 0.3 turns after the beginning of each turn.
+    pub(crate) fn bursts(&self, turns: u32) -> Vec<(f64, Vec<u8>)> {
+        let burst = |turn: u32| {
+            let time_s = (f64::from(turn) + 0.3) * (self.turn_s)(turn);
+            TARGETS.iter().map(move |[x, y, vx, vy]| {
+                let (east, north) = (x + vx * time_s, y + vy * time_s);
+                let place = [east.hypot(north), east.atan2(north).rem_euclid(TAU)];
+                (time_s, self.report(time_s, place))
+            })
+        };
+        (0..turns).flat_map(burst).collect()
+    }
+
     fn sector(&self, true_s: f64, turned: f64) -> Vec<u8> {
         let azimuth = [(turned * 256.0).round() as u8];
         block(34, &[&[0xf0], &self.source[..], &[2], &self.time_of_day(true_s), &azimuth].concat())

@@ -102,6 +102,16 @@ pub struct OwnPlots {
     outliers: [f32; MAPS],
 }
 
+/// A place as all maps see it.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    range_cells: f64,
+    /// In [0, 2π).
+    azimuth_rad: f64,
+    /// Classes of elevation and range rate.
+    classes: [u32; 2],
+}
+
 /// What the bins at a place hold.
 #[derive(Debug, Clone, Copy, Default)]
 struct Found {
@@ -155,8 +165,9 @@ impl ClutterMap {
             self.forget(scan);
         }
         let sums = [share, share * self.excess(measurement), if self.is_outlier(measurement) { share } else { 0.0 }];
+        let place = self.place(&measurement.polar);
         for map in 0..MAPS {
-            let key = self.key(map, &measurement.polar);
+            let key = self.key(map, &place);
             let bin = self.bins.entry(key).or_insert(Bin { sums: [0.0; 3], scan });
             *bin = bin.at(scan, self.memory_scans);
             for (sum, term) in bin.sums.iter_mut().zip(sums) {
@@ -213,8 +224,9 @@ impl ClutterMap {
             return;
         }
         let outlier = if self.is_outlier(plot) { share } else { 0.0 };
+        let place = self.place(&plot.polar);
         for map in 0..MAPS {
-            let key = self.key(map, &plot.polar);
+            let key = self.key(map, &place);
             if own.keys[map] != key {
                 (own.keys[map], own.plots[map], own.outliers[map]) = (key, 0.0, 0.0);
             }
@@ -269,8 +281,9 @@ impl ClutterMap {
         let mut found = Found::default();
         let mut nested = [0.0; 2];
         let noise = self.detector.noise_mean_excess() as f32;
+        let place = self.place(polar);
         for (map, form) in self.maps.iter().enumerate() {
-            let key = self.key(map, polar);
+            let key = self.key(map, &place);
             let mut sums = [0.0; 3];
             if let Some(bin) = self.bins.get(&key) {
                 sums = bin.at(scan, self.memory_scans).sums;
@@ -280,7 +293,7 @@ impl ClutterMap {
                 }
             }
             let [plots, excess, outliers] = sums;
-            let cells = self.cells_of(*form, polar);
+            let cells = self.cells_of(*form, &place);
             // Strong plots that are few may be targets'.
             let counts = [f64::from(plots), (f64::from(outliers) - OUTLIERS_IGNORED).max(0.0)];
             for (k, count) in counts.into_iter().enumerate() {
@@ -311,40 +324,45 @@ impl ClutterMap {
         self.cells_product * if self.radar.measured[2] { r * r * cos_e } else { r }
     }
 
-    /// Class of a coordinate; range rates that the radar cannot tell apart are the same.
-    fn class_of(&self, i: usize, polar: &[f64; COORDINATES]) -> u32 {
-        let value = if i == 3 { self.radar.unfold(polar[i], 0.0) } else { polar[i] };
-        if self.radar.measured[i] { class((value / self.radar.cell[i]).abs()) } else { 0 }
+    fn place(&self, polar: &[f64; COORDINATES]) -> Place {
+        let class_of = |i: usize, value: f64| class((value / self.radar.cell[i]).abs());
+        let measured = |i: usize| self.radar.measured[i];
+        let elevation = if measured(2) { class_of(2, polar[2]) } else { 0 };
+        // Range rates that the radar cannot tell apart are the same.
+        let range_rate = if measured(3) { class_of(3, self.radar.unfold(polar[3], 0.0)) } else { 0 };
+        Place {
+            range_cells: polar[0] / self.radar.cell[0],
+            azimuth_rad: common::angle::wrap(polar[1]),
+            classes: [elevation, range_rate],
+        }
     }
 
     /// Which bin of a map a place is in.
-    fn key(&self, map: usize, polar: &[f64; COORDINATES]) -> u64 {
+    fn key(&self, map: usize, place: &Place) -> u64 {
         let Map { range_cells, azimuth_cells, .. } = self.maps[map];
-        let range = polar[0] / self.radar.cell[0];
+        let range = place.range_cells;
         let range = if range_cells > 0.0 { (range / range_cells) as u64 } else { u64::from(octave(range)) };
-        let azimuth = if azimuth_cells > 0.0 {
-            (common::angle::wrap(polar[1]) / (azimuth_cells * self.radar.cell[1])) as u64
-        } else {
-            0
-        };
-        let class = |i: usize| u64::from(self.class_of(i, polar));
-        (((range << 20 | azimuth & 0xf_ffff) << 4 | class(2)) << 4 | class(3)) << 3 | map as u64
+        let azimuth =
+            if azimuth_cells > 0.0 { (place.azimuth_rad / (azimuth_cells * self.radar.cell[1])) as u64 } else { 0 };
+        let [elevation, range_rate] = place.classes.map(u64::from);
+        (((range << 20 | azimuth & 0xf_ffff) << 4 | elevation) << 4 | range_rate) << 3 | map as u64
     }
 
     /// Resolution cells in the bin of a map at a place.
-    fn cells_of(&self, map: Map, polar: &[f64; COORDINATES]) -> f64 {
+    fn cells_of(&self, map: Map, place: &Place) -> f64 {
         let octave_cells =
             |octave: u32| OCTAVE_CELLS * if octave == 0 { 1.0 } else { f64::from(1_u32 << (octave - 1)) };
         let range = if map.range_cells > 0.0 {
             map.range_cells.min(self.farthest_cells)
         } else {
-            octave_cells(octave(polar[0] / self.radar.cell[0]))
+            octave_cells(octave(place.range_cells))
         };
         let around = (TAU / self.radar.cell[1]).max(1.0);
         let azimuth = if map.azimuth_cells > 0.0 { map.azimuth_cells.min(around) } else { around };
-        let width = |i: usize| if self.radar.measured[i] { class_width(self.class_of(i, polar)) } else { 1.0 };
+        // Of what is not measured, the class is that of width 1.
+        let [elevation, range_rate] = place.classes.map(class_width);
         let both_signs = if self.radar.measured[3] { 2.0 } else { 1.0 };
-        range * azimuth * width(2) * both_signs * width(3)
+        range * azimuth * elevation * both_signs * range_rate
     }
 }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use common::angle;
+use common::turning::Turning;
 use common::units::seconds_between;
 
 use super::sweep::{Sweep, shift};
@@ -27,14 +28,19 @@ impl DetectionTime {
     /// `angle_rad`, in about one turn.
     ///
     /// The beam meets the target where both are; two steps of a fixed point suffice, as targets move slowly
-    /// in azimuth, and where they do not (above the antenna) azimuth means little.
+    /// in azimuth, and where they do not (above the antenna) azimuth means little. An antenna that stands meets it once in a
+    /// period.
     pub fn predict(position: [f64; 2], velocity: [f64; 2], time_ns: u64, angle_rad: f64, sweep: &Sweep) -> Self {
-        let now_rad = position[0].atan2(position[1]);
+        if sweep.turning() == Turning::Standing {
+            return Self { from_ns: time_ns, to_ns: shift(time_ns, sweep.period_s()), angle_rad: angle_rad + TAU };
+        }
+        let beam_rad = |x: f64, y: f64| sweep.turning().mirrored(x.atan2(y));
+        let now_rad = beam_rad(position[0], position[1]);
         let mut change_rad = 0.0;
         for _ in 0..2 {
             let after_s = sweep.period_s() * (1.0 + change_rad / TAU);
             let (x, y) = (position[0] + velocity[0] * after_s, position[1] + velocity[1] * after_s);
-            change_rad = angle::difference(x.atan2(y), now_rad);
+            change_rad = angle::difference(beam_rad(x, y), now_rad);
         }
         // The last detection was at the expected azimuth, not quite at the estimated one.
         let offset_rad = angle::difference(now_rad, angle_rad);
@@ -65,22 +71,23 @@ pub struct Opportunity {
 }
 
 impl Opportunity {
-    /// Of a target that is expected at `position_m`; `gates` are those of its components. The beam turns once in `period_s`.
+    /// Of a target that is expected at `position_m`; `gates` are those of its components.
     pub fn new(
         when: &DetectionTime,
         position_m: [f64; 3],
         gates: impl Iterator<Item = Gate> + Clone,
-        period_s: f64,
+        sweep: &Sweep,
     ) -> Self {
-        let beam_rad = angle::wrap(when.angle_rad);
+        let azimuth_rad = sweep.azimuth_at(when.angle_rad, position_m);
         let mut half_width_rad: f64 = 0.0;
         for gate in gates.clone() {
-            let shift_rad = angle::difference(gate.centre[1], beam_rad).abs();
+            let shift_rad = angle::difference(gate.centre[1], azimuth_rad).abs();
             half_width_rad = half_width_rad.max(shift_rad + gate.half[1] * GATE_MARGIN);
         }
         let half_width_rad = half_width_rad.min(FRAC_PI_2);
-        // What is at the edges is passed that much earlier or later.
-        let early_s = half_width_rad / TAU * period_s;
+        // What is at the edges is passed that much earlier or later; what an antenna sees that stands, at any time of a period.
+        let early_rad = if sweep.turning() == Turning::Standing { PI } else { half_width_rad };
+        let early_s = early_rad / TAU * sweep.period_s();
         let mut range_m = [f64::INFINITY, f64::NEG_INFINITY];
         for gate in gates {
             let half_m = gate.half[0] * GATE_MARGIN + gate.drift[0].abs() * early_s;

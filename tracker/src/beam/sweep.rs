@@ -1,13 +1,17 @@
 //! Where the beam is, when it was there, and what it has covered.
 //!
-//! Angles here are *unwrapped*: 2π · scan + azimuth. They grow with time, so "before" and "after"
+//! Angles here are *unwrapped*: 2π · scan + beam angle ([`common::turning`]). They grow with time, so "before" and "after"
 //! need no care at north, and the same target's successive passages lie about 2π apart.
+//!
+//! An antenna that stands sees every azimuth at once: all plots of a scan lie at one angle, half a turn after its beginning,
+//! and a target's successive passages exactly 2π apart, whatever its azimuth does.
 
 use std::collections::VecDeque;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use common::angle;
 use common::plots::PlotsHeader;
+use common::turning::Turning;
 use common::units::{NS_PER_S, seconds_between};
 
 /// Turns of coverage that are remembered.
@@ -24,6 +28,8 @@ pub enum Continuation {
     Onwards,
     /// Already taken, or older than what was taken.
     Late,
+    /// The next one, and the antenna turns otherwise than before.
+    Otherwise,
     /// Measurement time went back: a new recording or a restarted simulation.
     Anew,
 }
@@ -40,6 +46,7 @@ pub struct Sweep {
     beam_rad: f64,
     time_ns: u64,
     period_s: f64,
+    turning: Turning,
     covered: VecDeque<(f64, f64)>,
 }
 
@@ -62,6 +69,11 @@ impl Sweep {
                 self.turns = ((self.beam_rad + turned - here) / TAU).round();
             }
         }
+        if self.started && header.turning() != self.turning {
+            continuation = Continuation::Otherwise;
+            self.covered.clear();
+        }
+        self.turning = header.turning();
         self.started = true;
         self.session = header.session;
         self.last_seq = header.seq;
@@ -110,7 +122,11 @@ impl Sweep {
     /// Unwrapped angle at which the beam has passed, or will pass, an azimuth at about a time; the rotation is taken to be uniform.
     pub fn angle_at(&self, time_ns: u64, azimuth_rad: f64) -> f64 {
         let about_rad = self.beam_rad + seconds_between(self.time_ns, time_ns) / self.period_s * TAU;
-        about_rad + angle::difference(azimuth_rad, about_rad)
+        if self.turning == Turning::Standing {
+            // What a period has brought lies in its middle, what comes at its end, too.
+            return TAU * ((about_rad - PI) / TAU - SEAM_RAD).round() + PI;
+        }
+        about_rad + angle::difference(self.turning.mirrored(azimuth_rad), about_rad)
     }
 
     /// Measurement time of the last message, ns UTC.
@@ -118,10 +134,34 @@ impl Sweep {
         self.time_ns
     }
 
+    /// How the antenna turns.
+    pub fn turning(&self) -> Turning {
+        self.turning
+    }
+
     /// Unwrapped angle of an azimuth in the last message: the turn nearest to what it covers.
     pub fn unwrap(&self, header: &PlotsHeader, azimuth_rad: f64) -> f64 {
+        let north_rad = TAU * (self.turns + f64::from(header.scan));
+        if self.turning == Turning::Standing {
+            return north_rad + PI;
+        }
         let middle = 0.5 * (header.covered_from_rad + header.covered_to_rad);
-        TAU * (self.turns + f64::from(header.scan)) + middle + angle::difference(azimuth_rad, middle)
+        north_rad + middle + angle::difference(self.turning.mirrored(azimuth_rad), middle)
+    }
+
+    /// Azimuth of a place, east and north, m, that the beam meets at an unwrapped angle; in [0, 2π).
+    pub fn azimuth_at(&self, angle_rad: f64, position_m: [f64; 3]) -> f64 {
+        angle::wrap(match self.turning {
+            Turning::Standing => position_m[0].atan2(position_m[1]),
+            turning => turning.mirrored(angle_rad),
+        })
+    }
+
+    /// Angle at which the beam next meets a place, east and north, m, after what it has covered in the last message.
+    pub fn next_at(&self, header: &PlotsHeader, position_m: [f64; 3]) -> f64 {
+        let covered_rad = TAU * (self.turns + f64::from(header.scan)) + header.covered_from_rad;
+        let angle_rad = self.unwrap(header, position_m[0].atan2(position_m[1]));
+        if angle_rad < covered_rad { angle_rad + TAU } else { angle_rad }
     }
 }
 

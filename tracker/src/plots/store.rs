@@ -6,6 +6,8 @@ use std::cmp::Ordering;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use common::turning::Turning;
+
 use crate::plots::crowd;
 use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
@@ -76,14 +78,16 @@ impl PlotStore {
         self.measurements.push(measurement);
     }
 
-    /// Brings the plots that are not settled into order, and marks those that are many at one azimuth.
-    pub fn sort(&mut self, radar: &Radar) {
+    /// Brings the plots that are not settled into order, and marks those that are many at one azimuth, of an antenna that turns.
+    pub fn sort(&mut self, radar: &Radar, turning: Turning) {
         let disordered = std::mem::take(&mut self.disordered);
         if disordered {
             self.sort_unsettled();
         }
         let first = if disordered { self.settled } else { self.known };
-        crowd::mark(&self.angles_rad, &mut self.measurements, first, radar, &mut self.azimuths);
+        if turning != Turning::Standing {
+            crowd::mark(&self.angles_rad, &mut self.measurements, first, radar, &mut self.azimuths);
+        }
         self.known = self.entries.len();
     }
 
@@ -182,7 +186,7 @@ mod tests {
                     let place = expected[settled..].partition_point(|other| by_angle(other, &entry).is_le());
                     expected.insert(settled + place, entry);
                 }
-                store.sort(&Radar { variance: [1.0; 4], cell: [1.0, 1e-9, 1.0, 1.0], measured: [true; 4], range_rate_interval_mps: 0.0 });
+                store.sort(&Radar { variance: [1.0; 4], cell: [1.0, 1e-9, 1.0, 1.0], measured: [true; 4], range_rate_interval_mps: 0.0 }, Turning::Clockwise);
                 prop_assert_eq!(&store.entries, &expected);
                 prop_assert!(store.entries.iter().zip(&store.measurements).all(|(a, b)| a.angle_rad.to_bits() == b.polar[1].to_bits()));
                 settled = store.settle(f64::from(settle)).end;

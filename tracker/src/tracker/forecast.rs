@@ -39,7 +39,7 @@ impl Forecast {
         alpha: f64,
         posterior: &Group,
         times: &[DetectionTime],
-        period_s: f64,
+        sweep: &Sweep,
         mut take: impl FnMut(usize, Opportunity, Option<&Group>),
     ) {
         let Self { prediction, expected, .. } = self;
@@ -55,7 +55,7 @@ impl Forecast {
         for (lane, time) in times.iter().enumerate() {
             let gates = expected.iter().map(|expected| Gate::new(expected, lane, alpha));
             let position_m = [0, 1, 2].map(|axis| prediction.mean(reference, axis, lane));
-            let next = Opportunity::new(time, position_m, gates, period_s);
+            let next = Opportunity::new(time, position_m, gates, sweep);
             take(lane, next, (sound.0[lane] > 0.0).then_some(&*prediction));
         }
     }
@@ -73,7 +73,7 @@ impl Forecast {
         let mut posterior = std::mem::replace(&mut self.posterior, Group::EMPTY);
         posterior.load(0, tracks.states.posterior_mut(place));
         let mut sound = false;
-        self.predict(environment, alpha, &posterior, &[time], sweep.period_s(), |lane, next, prediction| {
+        self.predict(environment, alpha, &posterior, &[time], sweep, |lane, next, prediction| {
             tracks[place].next = next;
             if let Some(prediction) = prediction {
                 prediction.store(lane, tracks.states.prediction_mut(place, Of::NextScan));

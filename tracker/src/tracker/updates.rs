@@ -6,7 +6,6 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use common::angle;
 use common::tracks::{TERMINATED, Track};
 use common::units::seconds_between;
 
@@ -221,7 +220,7 @@ impl Tracker {
 
     /// Finds the plots of each track, and what they are worth among several tracks.
     fn offer_plots(&mut self, environment: &Environment) {
-        let Self { config, rules, plots, tracks, updates, .. } = self;
+        let Self { config, rules, sweep, plots, tracks, updates, .. } = self;
         let Updates { rivals, pending, index, found, near, offered, sharing, .. } = updates;
         offered.clear();
         let due = |pending: &Pending| tracks[pending.place].next.due_rad();
@@ -242,7 +241,7 @@ impl Tracker {
                 range_m = [range_m[0].min(expects.range_m[0]), range_m[1].max(expects.range_m[1])];
             }
             let window = Window {
-                azimuth_rad: angle::wrap(track.next.angle_rad),
+                azimuth_rad: sweep.azimuth_at(track.next.angle_rad, track.next.position_m),
                 half_azimuth_rad: track.next.half_width_rad,
                 range_m: [range_m[0] - margin_m, range_m[1] + margin_m],
                 elevation_rad: Window::ANY_ELEVATION,
@@ -477,7 +476,7 @@ impl Tracker {
         }
         let mut unsound = [false; LANES];
         let posterior = &scan.update.posterior;
-        forecast.predict(environment, rules.alpha, posterior, times, sweep.period_s(), |lane, next, prediction| {
+        forecast.predict(environment, rules.alpha, posterior, times, sweep, |lane, next, prediction| {
             let place = pending[lane].place;
             if !tracks.is_alive(place) {
                 return;
