@@ -134,7 +134,9 @@ class TracksHeader(ctypes.Structure):
         ("rejected", ctypes.c_uint32),
         ("left_out", ctypes.c_uint32),
         ("source_id", ctypes.c_uint32),
-        ("reserved", ctypes.c_uint32 * 11),
+        ("reserved", ctypes.c_uint32),
+        ("continued_session", ctypes.c_uint64),
+        ("reserved_too", ctypes.c_uint32 * 8),
     ]  # 192 bytes
 
 

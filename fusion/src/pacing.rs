@@ -61,7 +61,9 @@ impl Pacing {
     /// In real time, notes and says which sites have a clock that is not that of the others: farther from the median than reports are
     /// taken.
     pub(crate) fn find_out_of_step(&self, feeds: &mut [Feed], sites: &[&ChainConfig]) {
-        let mut times: Vec<u64> = feeds.iter().filter(|feed| !self.has_ended(feed)).filter_map(Feed::time_ns).collect();
+        // What silent sites said last is long ago.
+        let heard = feeds.iter().filter(|feed| !self.has_ended(feed) && feed.is_heard());
+        let mut times: Vec<u64> = heard.filter_map(Feed::time_ns).collect();
         times.sort_unstable();
         let Some(&median_ns) = times.get(times.len() / 2).filter(|_| self.real_time) else { return };
         for (feed, site) in feeds.iter_mut().zip(sites) {

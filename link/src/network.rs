@@ -105,6 +105,9 @@ fn settings(chain: &ChainConfig) -> anyhow::Result<zenoh::Config> {
         file => zenoh::Config::from_file(file)
             .map_err(|error| BadInput(format!("key `link.zenoh`: cannot read {file}: {error}")))?,
     };
+    // Where the file says nothing of it, Zenoh would listen at all interfaces, without the file's keys.
+    let unsaid = zenoh::Config::default().get_json("listen/endpoints").ok();
+    let says_where = settings.get_json("listen/endpoints").ok() != unsaid;
     let mut set = |key: &str, value: String| {
         settings
             .insert_json5(key, &value)
@@ -114,7 +117,7 @@ fn settings(chain: &ChainConfig) -> anyhow::Result<zenoh::Config> {
     set("scouting/multicast/enabled", "false".into())?;
     // Nobody is asked to connect, nor connected to, because of what others say of themselves.
     set("scouting/gossip/autoconnect", "{router: [], peer: [], client: []}".into())?;
-    if link.zenoh.is_empty() || !link.listen.is_empty() {
+    if !link.listen.is_empty() || !says_where {
         set("listen/endpoints", serde_json::to_string(&link.listen)?)?;
     }
     if link.zenoh.is_empty() || !link.connect.is_empty() {
@@ -129,4 +132,28 @@ fn settings(chain: &ChainConfig) -> anyhow::Result<zenoh::Config> {
     )?;
     set("transport/link/tx/lease", LEASE_MS.to_string())?;
     Ok(settings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Else whoever reaches the machine could put in messages, past the keys of the file.
+    #[test]
+    fn it_listens_only_where_key_or_file_say() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("zenoh.json5");
+        let mut chain = ChainConfig::default();
+        chain.link.connect = vec!["tls/192.0.2.1:7447".into()];
+        let endpoints =
+            |chain: &ChainConfig| settings(chain).expect("settings").get_json("listen/endpoints").expect("endpoints");
+        assert_eq!(endpoints(&chain), "[]");
+        std::fs::write(&file, "{ transport: { link: { tls: { enable_mtls: true } } } }").expect("written");
+        chain.link.zenoh = file.display().to_string();
+        assert_eq!(endpoints(&chain), "[]");
+        std::fs::write(&file, r#"{ listen: { endpoints: ["tls/127.0.0.1:7447"] } }"#).expect("written");
+        assert_eq!(endpoints(&chain), r#"["tls/127.0.0.1:7447"]"#);
+        chain.link.listen = vec!["tls/127.0.0.1:7448".into()];
+        assert_eq!(endpoints(&chain), r#"["tls/127.0.0.1:7448"]"#);
+    }
 }

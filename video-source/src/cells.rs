@@ -71,7 +71,9 @@ impl Packing {
     fn spread(self, octets: &[u8], counts: &[u32; COARSE], amplitudes: &mut [f32]) {
         let all = f64::from(counts.iter().sum::<u32>());
         if counts.iter().filter(|count| **count > 0).count() < 2 {
-            amplitudes.iter_mut().for_each(|code| *code += 0.5); // of one code alone nothing is known
+            for code in amplitudes {
+                *code += 0.5; // of one code alone nothing is known
+            }
             return;
         }
         // G(c + 1)/G(c), and the mean of the power's exponential between.
