@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use common::config::{ChainConfig, Sites, Speed};
 use common::latency::LATENCY_NAMES;
-use common::status::{Board, SiteBoard, data_inputs};
+use common::status::{Board, SiteBoard, counted_inputs};
 use crossterm::cursor::MoveToPreviousLine;
 use crossterm::terminal::{Clear, ClearType, size};
 use crossterm::{QueueableCommand, execute};
@@ -173,7 +173,7 @@ fn write_site(text: &mut String, chain: &ChainConfig, board: &SiteBoard, restart
             health.messages_out,
             health.rejected().map(|(_, count)| count).sum::<u64>()
         );
-        for (topic, intake) in data_inputs(health).filter(|(_, intake)| intake.received > 0) {
+        for (topic, intake) in counted_inputs(health).filter(|(_, intake)| intake.received > 0) {
             let _ = write!(text, "   {} {topic}", intake.lost);
         }
         text.push('\n');
