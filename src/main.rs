@@ -128,10 +128,13 @@ enum Command {
         /// Where the picture is served
         #[arg(long, value_name = "ADDRESS:PORT")]
         listen: Option<String>,
+        /// File with the token that viewers must show, its first line; needed beyond loopback
+        #[arg(long, value_name = "FILE", requires = "listen", default_value = "", hide_default_value = true)]
+        token_file: String,
     },
     /// Draw the plan of recordings at one time
     ///
-    /// Example: radar-chain picture recordings/uav-20261130T080000Z.000.mcap --at 30 --out plan.svg
+    /// Example: radar-chain picture recordings/uav-20261130T080000Z.000.mcap --at 30 --out plan.png
     #[command(verbatim_doc_comment)]
     Picture {
         /// Recordings of one run, one for each site; later parts beside them are found
@@ -149,7 +152,7 @@ enum Command {
         /// Light on dark
         #[arg(long)]
         night: bool,
-        /// File to write, SVG
+        /// File to write: SVG, or PNG, by its ending
         #[arg(long, default_value = "plan.svg")]
         out: PathBuf,
     },
@@ -459,9 +462,10 @@ fn main() -> ExitCode {
         Command::Status(args) => {
             common::process::run("radar-chain", || status::status(&args.chain.load_running()?, args.json))
         }
-        Command::View { recordings, listen } => {
-            common::process::supervise("radar-chain", || display::view::run(&recordings, listen.as_deref()))
-        }
+        Command::View { recordings, listen, token_file } => common::process::supervise("radar-chain", || {
+            let listen = listen.as_deref().map(|address| (address, token_file.as_str()));
+            display::view::run(&recordings, listen)
+        }),
         Command::Picture { recordings, at, trail, range, night, out } => common::process::run("radar-chain", || {
             let request = display::plan::Request { at_s: at, trail_s: trail, range_m: range, night };
             display::plan::draw(&recordings, &request, &out)?;

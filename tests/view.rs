@@ -5,6 +5,8 @@ mod viewer;
 
 mod support;
 
+use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::io::{BufRead, BufReader};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -33,9 +35,9 @@ struct Viewed {
 }
 
 impl Viewed {
-    fn start(recording: &Path) -> Self {
+    fn start(recordings: &[impl AsRef<OsStr>]) -> Self {
         let mut command = radar_chain();
-        command.arg("view").arg(recording).args(["--listen", "127.0.0.1:0"]);
+        command.arg("view").args(recordings).args(["--listen", "127.0.0.1:0"]);
         let mut process = command.stdin(Stdio::null()).stderr(Stdio::piped()).spawn().expect("started");
         let lines = BufReader::new(process.stderr.take().expect("a pipe")).lines().map_while(Result::ok);
         let said: Vec<String> = lines.take(1).collect();
@@ -58,11 +60,48 @@ fn ask(viewer: &mut Live, wanted: &Value, from_s: f64) -> f64 {
     viewer.find("another time", |message| at_s(message).filter(|at_s| (at_s - from_s).abs() > 1e-3))
 }
 
+/// What a viewer has after a jump.
+struct Shown {
+    /// Living tracks by number.
+    tracks: BTreeMap<u64, Value>,
+    /// Time of the oldest message of tracks, s UTC.
+    oldest_s: f64,
+    /// The last message of the track that is followed.
+    followed: Option<Value>,
+}
+
+/// Asks for a jump to a time, and gathers what comes until the recording stands there.
+fn picture_at(viewer: &mut Live, wanted: &Value, at_s: f64) -> Shown {
+    viewer.send(&wanted.to_string());
+    let mut shown = None;
+    viewer.find("the time", |message| {
+        let kind = message["type"].as_str();
+        if kind == Some("reset") {
+            shown = Some(Shown { tracks: BTreeMap::new(), oldest_s: f64::INFINITY, followed: None });
+        }
+        let shown = shown.as_mut()?;
+        let time_s = message["time_s"].as_f64().unwrap_or(f64::INFINITY);
+        match kind {
+            Some("tracks") => {
+                let items = message["items"].as_array().expect("a list");
+                shown.tracks.extend(items.iter().map(|track| (track["id"].as_u64().expect("a number"), track.clone())));
+                shown.tracks.retain(|_, track| track["state"] != 3);
+                shown.oldest_s = shown.oldest_s.min(time_s);
+            }
+            Some("track") => shown.followed = Some(message.clone()),
+            Some("time") if (message["at_s"].as_f64().expect("a time") - at_s).abs() < 1e-6 => return Some(()),
+            _ => {}
+        }
+        None
+    });
+    shown.expect("what came after the jump")
+}
+
 #[test]
 fn a_recording_is_moved_to_any_time_and_played_to_its_end() {
     let bench = Bench::new();
     let recording = recorded(&bench);
-    let viewed = Viewed::start(&recording);
+    let viewed = Viewed::start(&[&recording]);
     let mut viewer = Live::open(viewed.address);
     let hello = viewer.next_of("hello");
     let extent = |key: &str| hello["recording"][key].as_f64().expect("a time");
@@ -76,20 +115,21 @@ fn a_recording_is_moved_to_any_time_and_played_to_its_end() {
 
     // Forth, back, and forth again: the picture is that of the time, whatever was seen before.
     let middle_s = f64::midpoint(from_s, to_s);
-    let mut pictures = Vec::new();
-    for at_s in [middle_s, from_s + 1.0, middle_s] {
-        viewer.send(&json!({ "seek": at_s }).to_string());
-        viewer.next_of("reset");
-        let tracks = viewer.next_of("tracks");
-        assert!(tracks["time_s"].as_f64().is_some_and(|time_s| time_s <= at_s + 1e-6), "{tracks}");
-        assert!((viewer.next_of("time")["at_s"].as_f64().expect("a time") - at_s).abs() < 1e-6);
-        pictures.push(tracks["items"].clone());
-    }
-    assert_eq!(pictures[0], pictures[2]);
-    assert!(pictures[0].as_array().is_some_and(|tracks| tracks.len() >= 2), "{}", pictures[0]);
-    assert_ne!(pictures[0], pictures[1]);
+    let times_s = [middle_s, from_s + 1.0, middle_s];
+    let pictures = times_s.map(|at_s| picture_at(&mut viewer, &json!({ "seek": at_s }), at_s));
+    assert_eq!(pictures[0].tracks, pictures[2].tracks);
+    assert!(pictures[0].tracks.len() >= 2, "{:?}", pictures[0].tracks);
+    assert_ne!(pictures[0].tracks, pictures[1].tracks);
 
     let period_s = hello["sites"][0]["scan_period_s"].as_f64().expect("a period");
+    // A jump shows what has led to that time: tracks with their trails, and the followed one as it is then.
+    let (id, track) = pictures[0].tracks.first_key_value().expect("a track");
+    let follow = json!({"follow": {"site": hello["sites"][0]["name"], "track": id}, "seek": middle_s});
+    let there = picture_at(&mut viewer, &follow, middle_s);
+    let trail_s = middle_s - there.oldest_s;
+    assert!((period_s * 6.0..=period_s * 14.0).contains(&trail_s), "{trail_s} s of trail");
+    let followed = there.followed.expect("the followed track");
+    assert_eq!((&followed["id"], &followed["time_s"]), (&track["id"], &track["time_s"]));
     let stepped_s = ask(&mut viewer, &json!({"step": "scan", "by": 2}), middle_s);
     // Plots may be recorded some sectors ahead of the tracks that end a scan.
     assert!((period_s * 0.9..=period_s * 5.1).contains(&(stepped_s - middle_s)), "{stepped_s} after {middle_s}");
@@ -117,12 +157,15 @@ fn what_is_no_recording_is_said_in_a_line() {
         assert_eq!(result.status.code(), Some(2), "{}", text_of(&result));
         assert!(text_of(&result).contains(expected), "{}", text_of(&result));
     }
+    // Nobody beyond this machine may look without a token.
+    let result = output(radar_chain().arg("view").arg(&recording).args(["--listen", "0.0.0.0:0"]));
+    assert!(result.status.code() == Some(2) && text_of(&result).contains("display.token_file"), "{}", text_of(&result));
     let result = output(radar_chain().arg("view").args([&recording, &recording]));
     assert!(result.status.code() == Some(2) && text_of(&result).contains("a name that no other site has"));
     // A recording that was cut is shown as far as it goes.
     let bytes = std::fs::read(&recording).expect("a recording");
     std::fs::write(bench.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).expect("written");
-    let viewed = Viewed::start(&bench.path("cut.mcap"));
+    let viewed = Viewed::start(&[bench.path("cut.mcap")]);
     assert_eq!(Live::open(viewed.address).next_of("hello")["mode"], "recording");
 }
 
@@ -130,15 +173,52 @@ fn what_is_no_recording_is_said_in_a_line() {
 fn a_plan_shows_the_confirmed_tracks() {
     let bench = Bench::new();
     let recording = recorded(&bench);
-    let plan = bench.path("plan.svg");
-    let draw = |arguments: &[&str]| {
-        output(radar_chain().arg("picture").arg(&recording).arg("--out").arg(&plan).args(arguments))
+    let draw = |plan: &Path, arguments: &[&str]| {
+        output(radar_chain().arg("picture").arg(&recording).arg("--out").arg(plan).args(arguments))
     };
-    let result = draw(&[]);
+    let plan = bench.path("plan.svg");
+    let result = draw(&plan, &[]);
     assert!(result.status.success(), "{}", text_of(&result));
     let svg = std::fs::read_to_string(&plan).expect("a plan");
     assert_eq!(svg.matches("class=\"confirmed\"").count(), 2, "two targets");
     assert!(svg.contains("class=\"trail\"") && svg.contains("class=\"truth\"") && svg.ends_with("</svg>\n"));
-    let result = draw(&["--at", "1e9"]);
+    let result = draw(&plan, &["--at", "1e9"]);
     assert!(result.status.code() == Some(2) && text_of(&result).contains("outside of the recording"));
+
+    let result = draw(&bench.path("plan.png"), &["--night"]);
+    assert!(result.status.success(), "{}", text_of(&result));
+    let png = std::fs::read(bench.path("plan.png")).expect("a plan");
+    assert_eq!((&png[..8], &png[16..24]), (&b"\x89PNG\r\n\x1a\n"[..], &[0, 0, 0x07, 0xd0, 0, 0, 0x08, 0x50][..]));
+    let result = draw(&bench.path("plan.pdf"), &[]);
+    assert!(result.status.code() == Some(2) && text_of(&result).contains(".svg or .png"), "{}", text_of(&result));
+}
+
+#[test]
+fn the_recordings_of_several_sites_and_their_centre_are_one_picture() {
+    let bench = Bench::new();
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/fusion.toml");
+    let result = output(bench.command("run", &config).args(["--scans", "12", "--speed", "max"]));
+    assert!(result.status.success(), "{}", text_of(&result));
+    let recordings = bench.recordings();
+    assert_eq!(recordings.len(), 4, "{recordings:?}");
+    let viewed = Viewed::start(&recordings);
+    let mut viewer = Live::open(viewed.address);
+    let hello = viewer.next_of("hello");
+    assert_eq!(hello["sites"].as_array().map(Vec::len), Some(4));
+    let to_s = &hello["recording"]["to_s"];
+    viewer.send(&json!({"want": {"system_tracks": true}, "encoding": "json", "seek": to_s}).to_string());
+    viewer.find("system tracks", |message| {
+        let items = message["items"].as_array().filter(|_| message["type"] == "system_tracks")?;
+        (items.len() >= 5).then_some(())
+    });
+    // The centre alone, too: as a drawing and as ways for maps.
+    let centre = recordings.iter().find(|file| file.to_string_lossy().contains("centre-")).expect("the centre's");
+    let plan = bench.path("plan.svg");
+    let drawn = output(radar_chain().arg("picture").arg(centre).arg("--out").arg(&plan));
+    assert!(drawn.status.success(), "{}", text_of(&drawn));
+    assert!(std::fs::read_to_string(&plan).expect("a plan").contains("class=\"confirmed\""));
+    let exported = output(
+        radar_chain().args(["recorder", "export", "--format", "geojson", "--out"]).arg(bench.path("ways")).arg(centre),
+    );
+    assert!(exported.status.success(), "{}", text_of(&exported));
 }

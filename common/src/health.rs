@@ -10,7 +10,7 @@ use crate::label::Label;
 use crate::latency::LATENCIES;
 use crate::message::{Header, Place};
 use crate::recording::row::{Row, Table, Value};
-use crate::topic::Topic;
+use crate::topic::{TOPICS, Topic};
 
 /// Why a piece of input was not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -201,6 +201,19 @@ pub struct Intake {
     pub last_seq: u64,
 }
 
+impl Intake {
+    /// What two subscribers of one topic, at two sites or one after the other, know together.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            received: self.received + other.received,
+            lost: self.lost + other.lost,
+            restarts: self.restarts + other.restarts,
+            last_seq: self.last_seq.max(other.last_seq),
+        }
+    }
+}
+
 /// A topic that a process reads, and what it knows of it.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
 #[type_name("radar/Input/1")]
@@ -286,7 +299,7 @@ impl FalseAlarms {
 
 /// State of one process.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Serialize, Deserialize, ZeroCopySend, JsonSchema)]
-#[type_name("radar/Health/3")]
+#[type_name("radar/Health/4")]
 #[repr(C)]
 #[repr(align(64))]
 pub struct Health {
@@ -350,12 +363,15 @@ pub struct Health {
     /// the process does not say.
     #[serde(default)]
     pub waiting: [u32; INPUTS],
+    /// Always 0: no undefined bytes.
+    pub reserved: [u32; 8],
 }
 
-const _: () = assert!(size_of::<Health>() == 2112 && align_of::<Health>() == 64);
+const _: () = assert!(size_of::<Health>() == 2688 && align_of::<Health>() == 64);
 
-/// Topics that a process can tell of.
-pub const INPUTS: usize = 8;
+/// Topics that a process can tell of: all that there are, and as many as may come without another layout.
+pub const INPUTS: usize = 16;
+const _: () = assert!(INPUTS >= TOPICS);
 /// Reasons of rejection that a process can tell of; what is rejected for more counts under the last.
 pub const REASONS: usize = 16;
 /// Observers that a process can tell of; what more of them lose counts under the last.
@@ -376,7 +392,8 @@ impl Health {
     pub fn set_intake(&mut self, topic: Topic, intake: Intake) {
         let name = Label::new(topic.name());
         let place = self.inputs.iter().position(|input| input.topic == name || input.topic.is_empty());
-        self.inputs[place.unwrap_or(INPUTS - 1)] = Input { topic: name, intake };
+        let place = place.expect("room for every topic");
+        self.inputs[place] = Input { topic: name, intake };
     }
 
     /// Notes the most messages of a topic whose intake is noted that one has found waiting before it since the last report, if they say when they were

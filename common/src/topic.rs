@@ -36,7 +36,7 @@ macro_rules! with_topics {
             ClutterMap("clutter-map", "clutter-map/1") ClutterMapHeader, [ClutterCell; MAX_CLUTTER_CELLS]
                 { QUEUE: 2, SUBSCRIBERS: 4, PUBLISHERS: 2, HISTORY: 0 } from "clutter_map.rs";
             /// State of a process.
-            HealthReports("health", "health/3") HealthHeader, [Health; 1]
+            HealthReports("health", "health/4") HealthHeader, [Health; 1]
                 { QUEUE: 16, SUBSCRIBERS: 12, PUBLISHERS: 16, HISTORY: 1 } from "label.rs" "health.rs";
         }
     };
@@ -86,6 +86,12 @@ impl Topic {
     /// Whether its messages tell of what the radar sees.
     pub fn is_data(self) -> bool {
         !matches!(self, Self::HealthReports | Self::Commands | Self::Actions | Self::ClutterMap)
+    }
+
+    /// Whether a message that is missing counts as lost. Health repeats itself, and commands come from several publishers at once,
+    /// each of which counts its own.
+    pub fn is_counted(self) -> bool {
+        !matches!(self, Self::HealthReports | Self::Commands)
     }
 
     /// Whether it is too much for text, and for a recording unless it is asked for: 10⁸ bytes a second, 10⁹ as text.

@@ -91,8 +91,9 @@ export class ChainView {
   #draw(canvas) {
     for (const [id, { points, chart }] of this.history) {
       if (chart.canvas !== canvas) continue;
-      const name = id.split(".").at(-1);
-      const budget = this.hello.sites[0]?.budgets_us?.[name];
+      const [name, , site] = id.split(".").reverse(); // site, process, latency: the first where there are several
+      const { sites } = this.hello;
+      const budget = (sites.find((of) => of.name === site) ?? sites[0])?.budgets_us?.[name];
       const most = Math.max(...points.map(([, p99]) => p99), budget ?? 0);
       chart.begin(this.scene.colours, points[0][0], Math.max(points.at(-1)[0], points[0][0] + 10), 0, most);
       if (budget) chart.level(budget, "coasting");

@@ -37,12 +37,21 @@ export class Control {
   }
 
   start(hello) {
-    this.allowed = hello.control === true && hello.mode === "live";
-    for (const of of [this.acquire, this.zone, this.ofTrack]) of.hidden = !this.allowed;
+    const tracks = ({ name }) => hello.stages.some((stage) => stage.name === "tracker" && stage.site === name);
+    /** Sites whose tracker can be asked. */
+    this.acting = hello.sites.filter(tracks);
+    this.allowed = hello.control === true && hello.mode === "live" && this.acting.length > 0;
+    for (const of of [this.acquire, this.zone]) of.hidden = !this.allowed;
+    this.update();
     this.leave();
-    this.sites = hello.sites;
     this.zones.clear();
     this.#showZones();
+  }
+
+  /** Of a track that is fused of others', nobody can be asked. */
+  update() {
+    const { track } = this.scene.selection;
+    this.ofTrack.hidden = !this.allowed || !track || !this.acting.some(({ name }) => name === track.site);
   }
 
   /** What operators have done at a site: everybody sees it. */
@@ -149,7 +158,7 @@ export class Control {
   /** The site that a command for a place goes to: that of the nearest antenna. */
   #siteAt([x, y]) {
     const away = ({ origin_m: [east, north] }) => Math.hypot(x - east, y - north);
-    return this.sites.reduce((best, site) => (away(site) < away(best) ? site : best)).name;
+    return this.acting.reduce((best, site) => (away(site) < away(best) ? site : best)).name;
   }
 
   #path(rest, site) {

@@ -49,9 +49,9 @@ export class Detail {
     setText(this.life, state);
     this.life.dataset.state = state;
     this.#facts(track);
-    if (said) this.#state(said);
+    this.#state(said);
     this.#models();
-    if (said) this.#gate(said);
+    this.#gate(said);
     this.#errors();
     this.#hops(track, said);
   }
@@ -74,9 +74,11 @@ export class Detail {
     });
   }
 
-  #state({ state, sigma }) {
+  /** After a jump nothing is said yet: what was said of another time goes. */
+  #state(said) {
+    const { state, sigma } = said ?? {};
     const cell = (key, digits) => {
-      const value = state[key];
+      const value = state?.[key];
       if (!Number.isFinite(value)) return "–";
       return `${number(value, digits)} ± ${number(sigma?.[key], digits)}`;
     };
@@ -89,6 +91,7 @@ export class Detail {
     const { models: scans } = this.scene.selection;
     const latest = scans.at(-1)?.models ?? [];
     const { models } = this;
+    models.canvas.hidden = scans.length === 0;
     if (scans.length > 0) {
       models.begin(this.scene.colours, scans[0].time_s, Math.max(scans.at(-1).time_s, scans[0].time_s + 1), 0, 1);
       latest.forEach((_, i) => {
@@ -109,7 +112,13 @@ export class Detail {
     });
   }
 
-  #gate({ gate, weight_none }) {
+  #gate(said) {
+    if (!said) {
+      setText(this.gate, "");
+      this.used.update([]);
+      return;
+    }
+    const { gate, weight_none } = said;
     const kind = gate?.kind ? `Gate: ${words(gate.kind)}` : "No gate";
     setText(this.gate, `${kind}, ${number(gate?.in_gate ?? 0)} plots in it. No plot is the track's: ${percent(weight_none, 1)}.`);
     const { scans, models } = this.scene.selection;
@@ -149,9 +158,10 @@ export class Detail {
   }
 
   #hops(track, said) {
-    const live = this.scene.picture.hello?.mode !== "recording";
-    const way = this.latency.last.get(track.site);
-    let hops = live && way ? hopsOf(way.stamps_us, way) : hopsOf(track.stamps_us);
+    const shown = this.latency.shown.get(track.stamps_us);
+    // Of an update that is not yet on the screen, the way is not known to its end: that of the one before stays.
+    if (shown || this.way?.key !== track.key) this.way = { key: track.key, hops: hopsOf(track.stamps_us, shown) };
+    let { hops } = this.way;
     if (hops.length === 0) hops = Object.entries(said?.latency_us ?? {}).map(([name, us]) => [words(name), us]).filter(([, us]) => Number.isFinite(us));
     const total = hops.reduce((sum, [, us]) => sum + us, 0);
     const row = ([name, us]) => [name, [name, micros(us), bar(us / total)]];

@@ -19,7 +19,15 @@ export class Events {
     Object.assign(this, { onChoose, onTell });
     this.list = byId("events");
     this.news = byId("news");
+    /** Kinds that are not listed. */
+    this.left_out = new Set();
+    byId("event-kinds").append(...Object.entries(WORDS).map(([kind, words]) => this.#choice(kind, words)));
     this.clear();
+  }
+
+  /** The events of the kinds that are listed, oldest first. */
+  get shown() {
+    return this.left_out.size === 0 ? this.all : this.all.filter(({ kind }) => !this.left_out.has(kind));
   }
 
   clear() {
@@ -49,8 +57,9 @@ export class Events {
     if (event.seq <= this.last) return;
     this.last = event.seq;
     this.all.push(event);
-    this.list.prepend(this.#row(event));
     if (this.all.length > MOST) this.all.shift();
+    if (this.left_out.has(event.kind)) return;
+    this.list.prepend(this.#row(event));
     if (this.list.children.length > MOST_ROWS) this.list.lastChild.remove();
     this.unsaid.push(event);
   }
@@ -71,6 +80,17 @@ export class Events {
     this.said_ms = performance.now();
     this.list.prepend(element("li", {}, element("time", {}, clock(Date.now() / 1000, 1)), element("span", { class: "kind" }, "here"), element("span", {}, text)));
     this.onTell(text);
+  }
+
+  /** Whether a kind is listed, as a check box. */
+  #choice(kind, words) {
+    const box = element("input", { type: "checkbox", checked: true });
+    box.addEventListener("change", () => {
+      if (box.checked) this.left_out.delete(kind);
+      else this.left_out.add(kind);
+      this.list.replaceChildren(...this.shown.slice(-MOST_ROWS).reverse().map((event) => this.#row(event)));
+    });
+    return element("label", { class: "check" }, box, ` ${words}`);
   }
 
   #row(event) {

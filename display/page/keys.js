@@ -58,7 +58,7 @@ export class Keys {
     if (event.ctrlKey || event.altKey || event.metaKey || this.help.open) return;
     const { target } = event;
     const onPlan = target.id === "plan";
-    const types = target.matches("input, select, textarea");
+    const types = target.matches("input:not([type=range], [type=checkbox]), textarea");
     if (types && event.key !== "Escape") return;
     const command = COMMANDS.find(({ keys }) => keys.includes(event.key));
     if (!command || (command.plan && !onPlan)) return;

@@ -20,24 +20,24 @@ export class ScreenLatency {
     /** Waiting to be drawn, and drawn but not yet on the screen. */
     this.waiting = [];
     this.drawn = [];
-    /** The last complete ways by site: what the panel of a track shows. */
-    this.last = new Map();
+    /** When messages reached the screen, by their stamps, which their tracks have too. */
+    this.shown = new WeakMap();
   }
 
   /** A message with tracks has arrived. */
   arrived(message, arrived_ms) {
     if (message.count === 0 || !message.stamps_us || this.waiting.length > 256) return;
-    this.waiting.push({ site: message.site, stamps_us: message.stamps_us, arrived_ms });
+    this.waiting.push({ stamps_us: message.stamps_us, arrived_ms });
   }
 
   /** Called at the start of each animation frame: what the frame before has drawn is now on the screen. */
   frame(now_ms) {
     const now_us = this.clock.server_us(now_ms);
-    for (const { site, stamps_us, arrived_ms } of this.drawn) {
+    for (const { stamps_us, arrived_ms } of this.drawn) {
       const from = stamps_us.source_out || stamps_us.plots_out;
       if (Number.isNaN(now_us) || !from) continue;
       this.all.add(now_us - from);
-      this.last.set(site, { arrived_us: this.clock.server_us(arrived_ms), shown_us: now_us, stamps_us });
+      this.shown.set(stamps_us, { arrived_us: this.clock.server_us(arrived_ms), shown_us: now_us });
     }
     this.drawn.length = 0;
   }

@@ -48,6 +48,8 @@ const list = new TrackList(scene, choose);
 const control = new Control(scene, (text) => events.tell(text));
 let shown = "picture";
 let dropped = 0;
+/** The track of an event that was chosen. */
+let sought = null;
 let linkState = "connecting";
 let linkText = "";
 
@@ -91,7 +93,10 @@ const hearers = {
     control.hear(message);
     panels();
   },
-  time: (message) => timeline.hear(message),
+  time(message) {
+    timeline.hear(message);
+    chooseSought();
+  },
   reset() {
     picture.clear();
     selection.restart();
@@ -160,6 +165,7 @@ function cover() {
 }
 
 function choose(track) {
+  sought = null;
   selection.choose(track ?? null);
   if (!track) scene.following = false;
   panels();
@@ -167,9 +173,17 @@ function choose(track) {
 
 function chooseOfEvent(event) {
   timeline.seek(event.time_s);
-  const track = picture.tracks.get(`${event.site}/${event.track}`);
-  if (track) choose(track);
+  sought = `${event.site}/${event.track}`;
+  chooseSought();
   show("picture");
+}
+
+/** In a recording the track of an event is there only when the server has gone to its time. */
+function chooseSought() {
+  const track = picture.tracks.get(sought);
+  if (!track) return;
+  sought = null;
+  choose(track);
 }
 
 function show(name) {
@@ -259,6 +273,7 @@ function panels(soon = false) {
     legend.update(scene);
     list.update(soon);
     detail.update();
+    control.update();
   }
   chain.update(shown === "chain");
   timeline.drawTicks(scene.colours);
@@ -284,4 +299,4 @@ function frame(now_ms) {
 requestAnimationFrame(frame);
 document.addEventListener("visibilitychange", () => latency.forget());
 
-window.radarChain = new Probe({ scene, latency, frames, chain, link, plan: parts.plan, dropped: () => dropped });
+window.radarChain = new Probe({ scene, latency, frames, chain, link, ppi, plan: parts.plan, dropped: () => dropped });

@@ -43,7 +43,8 @@ export class Ppi {
     });
     parts.ground.addEventListener("webglcontextrestored", () => this.#start());
     this.#start();
-    new ResizeObserver(() => this.#measure()).observe(parts.stage);
+    const observer = new ResizeObserver(() => this.#measure());
+    for (const part of [parts.stage, parts.plan, parts.heights]) observer.observe(part);
     this.#measure();
   }
 

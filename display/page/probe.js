@@ -36,6 +36,18 @@ export class Probe {
     return this.#of.link.bad;
   }
 
+  /** Share of the circle on which radar video is kept, by site. */
+  get video() {
+    const { ppi } = this.#of;
+    return Object.fromEntries([...(ppi.video?.sites ?? [])].map(([site, screen]) => [site, screen.share]));
+  }
+
+  /** How high what the plan draws is, pixels. */
+  get height() {
+    const { view, unit } = this.#of.scene;
+    return unit * view.height;
+  }
+
   /** Where a track is in the window, pixels. */
   where(site, id) {
     const { picture, view, unit } = this.#of.scene;

@@ -41,9 +41,9 @@ export class Stages {
 
   update(processes, before) {
     for (const card of this.cards) {
-      const found = processes.find(({ site, name }) => name === card.stage.name && (!site || !card.stage.site || site === card.stage.site));
-      const last = found && before.get(found.key);
-      card.update(found, last);
+      const found = processes.filter(({ site, name }) => name === card.stage.name && (!site || !card.stage.site || site === card.stage.site));
+      const last = found.map(({ key }) => before.get(key)).filter(Boolean);
+      card.update(together(found.map(({ of }) => of)), last.length === found.length ? together(last) : undefined);
     }
   }
 
@@ -55,8 +55,7 @@ export class Stages {
     for (const from of this.cards) {
       for (const to of this.cards) {
         const topics = from.stage.outputs.filter((topic) => to.stage.inputs.includes(topic));
-        const meet = !from.stage.site || !to.stage.site || from.stage.site === to.stage.site || to.stage.name === "fusion";
-        if (topics.length > 0 && meet && from !== to) edges.push(...edge(from, to, whole, topics));
+        if (topics.length > 0 && meets(from.stage, to.stage) && from !== to) edges.push(...edge(from, to, whole, topics));
       }
     }
     this.wires.setAttribute("viewBox", `0 0 ${whole.width} ${whole.height}`);
@@ -64,13 +63,34 @@ export class Stages {
   }
 }
 
+/** What a process that serves all sites says of each, as one report; a process of one site says it once. */
+function together(reports) {
+  const [first, ...others] = reports;
+  if (others.length === 0) return first;
+  const merged = (key, both) => {
+    const all = {};
+    for (const report of reports) {
+      for (const [topic, count] of Object.entries(report[key] ?? {})) all[topic] = topic in all ? both(all[topic], count) : count;
+    }
+    return all;
+  };
+  const sum = (a, b) => a + b;
+  return { ...first, received: merged("received", sum), lost: merged("lost", sum), waiting: merged("waiting", Math.max) };
+}
+
 /** Steps from the source. */
 function depth(stage, all, seen = []) {
   if (stage.inputs.length === 0 || seen.includes(stage)) return 0;
   const before = all.filter(
-    (other) => other !== stage && !other.observer && (!stage.site || !other.site || other.site === stage.site) && other.outputs.some((topic) => stage.inputs.includes(topic)),
+    (other) => other !== stage && !other.observer && meets(other, stage) && other.outputs.some((topic) => stage.inputs.includes(topic)),
   );
   return before.length ? 1 + Math.max(...before.map((other) => depth(other, all, [...seen, stage]))) : 0;
+}
+
+/** Whether what one stage sends comes to another: fusion reads all other sites. */
+function meets(from, to) {
+  if (to.name === "fusion") return from.site !== to.site;
+  return !from.site || !to.site || from.site === to.site;
 }
 
 /** A line to the next column with the names of its topics; to columns further on above the boxes, for observers below. */
@@ -104,8 +124,7 @@ class Card {
     this.values = new Map();
   }
 
-  update(found, before) {
-    const of = found?.of;
+  update(of, before) {
     const text = of ? (of.ended ? "ended" : of.condition) : "no report";
     setText(this.state, text);
     this.state.dataset.condition = text;

@@ -29,7 +29,7 @@ export class Timeline {
     this.ticks = element("canvas", { class: "ticks", "aria-hidden": "true" });
     this.rate = element("select", { "aria-label": "Speed" }, ...RATES.map((rate) => element("option", { value: rate }, `${rate}×`)));
     this.rate.value = "1";
-    this.rate.addEventListener("change", () => this.send({ play: Number(this.rate.value) }));
+    this.rate.addEventListener("change", () => this.now.playing && this.send({ play: Number(this.rate.value) }));
     this.clock = element("output", { class: "clock" });
     section.append(
       button("Event before", "eventBefore", () => this.jump(-1)),
@@ -62,7 +62,7 @@ export class Timeline {
       this.play.replaceChildren(drawing(ICONS[message.playing ? "pause" : "play"]));
     }
     const rate = String(message.rate);
-    if (document.activeElement !== this.rate && RATES.includes(message.rate)) this.rate.value = rate;
+    if (message.playing && document.activeElement !== this.rate && RATES.includes(message.rate)) this.rate.value = rate;
     this.#show(message.at_s);
   }
 
@@ -85,14 +85,19 @@ export class Timeline {
   }
 
   seek(at_s) {
-    if (this.recording) this.send({ seek: Math.min(this.recording.to_s, Math.max(this.recording.from_s, at_s)) });
+    if (!this.recording) return;
+    const seek = Math.min(this.recording.to_s, Math.max(this.recording.from_s, at_s));
+    this.now = { ...this.now, at_s: seek };
+    this.send({ seek });
   }
 
-  /** To the next event (1) or the one before (-1). */
+  /** To the next event (1) or the one before (-1), of the kinds that are listed. */
   jump(by) {
-    const times = this.events.all.map(({ time_s }) => time_s).sort((a, b) => a - b);
-    const { at_s } = this.now;
-    const to = by > 0 ? times.find((time_s) => time_s > at_s + 0.01) : times.findLast((time_s) => time_s < at_s - 0.5);
+    const times = this.events.shown.map(({ time_s }) => time_s).sort((a, b) => a - b);
+    const { at_s, playing } = this.now;
+    // What plays has left the event that it was sent to.
+    const before_s = at_s - (playing ? 0.5 : 0.001);
+    const to = by > 0 ? times.find((time_s) => time_s > at_s + 0.001) : times.findLast((time_s) => time_s < before_s);
     if (to !== undefined) this.seek(to);
   }
 
@@ -109,17 +114,18 @@ export class Timeline {
 
   /** Marks of the events above the slider. */
   drawTicks(colours) {
-    if (!this.recording || this.drawn === this.events.all.length + this.ticks.clientWidth) return;
-    const { ticks } = this;
+    const { ticks, events: { shown } } = this;
+    const drawn = [shown.length, ticks.clientWidth, colours.text.coasting].join();
+    if (!this.recording || this.drawn === drawn) return;
     ticks.width = ticks.clientWidth;
     ticks.height = 8;
     const { from_s, to_s } = this.recording;
     const context = ticks.getContext("2d");
-    for (const { time_s, kind } of this.events.all) {
+    for (const { time_s, kind } of shown) {
       context.fillStyle = colours.text[{ confirmed: "confirmed", ended: "ended" }[kind] ?? "coasting"];
       context.fillRect(((time_s - from_s) / (to_s - from_s)) * ticks.width, 1, 2, 6);
     }
-    this.ticks.title = quantity(this.events.all.length, "events");
-    this.drawn = this.events.all.length + ticks.clientWidth;
+    this.ticks.title = quantity(shown.length, "events");
+    this.drawn = drawn;
   }
 }

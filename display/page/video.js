@@ -116,9 +116,16 @@ class Screen {
     return lines === this.lines && Object.keys(this.form).every((key) => this.form[key] === message[key]);
   }
 
+  /** Share of the circle of which anything has come. */
+  get share() {
+    return this.times.filter((time) => time >= 0).length / this.times.length;
+  }
+
   clear() {
     this.times.fill(-1);
     this.levels.fill(0);
+    /** The line that came last, and of which scan. */
+    this.last = {};
     /** Lines that the graphics card does not have yet. */
     this.fresh = [0, this.lines];
   }
@@ -128,14 +135,18 @@ class Screen {
     this.gl.deleteTexture(this.timeTexture);
   }
 
-  add({ azimuth_first_rad, azimuth_step_rad, lines, data: { level } }, time) {
+  add({ scan, azimuth_first_rad, azimuth_step_rad, lines, data: { level } }, time) {
     const { ranges } = this.form;
     const turns = azimuth_first_rad / (2 * Math.PI);
     const first = Math.floor((turns - Math.floor(turns)) * this.lines + 1e-6);
     const step = azimuth_step_rad > 0 ? 1 : -1;
     for (let line = 0; line < lines; line += 1) {
       const at = (((first + step * line) % this.lines) + this.lines) % this.lines;
-      this.levels.set(level.subarray(line * ranges, (line + 1) * ranges), at * ranges);
+      const strongest = level.subarray(line * ranges, (line + 1) * ranges);
+      // A line that two sectors share comes with both.
+      if (line === 0 && at === this.last.at && scan === this.last.scan) this.#keepStronger(strongest, at);
+      this.levels.set(strongest, at * ranges);
+      this.last = { at, scan };
       this.times[Math.floor(at / this.lines_per_wedge)] = time;
       this.fresh = [Math.min(this.fresh[0], at), Math.max(this.fresh[1], at + 1)];
     }
@@ -156,6 +167,12 @@ class Screen {
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, this.times.length, 1, gl.RED, gl.FLOAT, this.times);
     gl.activeTexture(gl.TEXTURE0);
     this.fresh = [this.lines, 0];
+  }
+
+  /** Raises levels to those that the line has already. */
+  #keepStronger(level, at) {
+    const before = at * level.length;
+    for (let i = 0; i < level.length; i += 1) level[i] = Math.max(level[i], this.levels[before + i]);
   }
 
   #measureNoise(level) {

@@ -45,6 +45,8 @@ trait Input {
     fn topic(&self) -> Topic;
 
     fn intake(&self) -> Intake;
+
+    fn take_most_waiting(&self) -> Option<u32>;
 }
 
 impl<M: Message> Input for Subscriber<M> {
@@ -62,6 +64,10 @@ impl<M: Message> Input for Subscriber<M> {
 
     fn intake(&self) -> Intake {
         Subscriber::intake(self)
+    }
+
+    fn take_most_waiting(&self) -> Option<u32> {
+        Subscriber::take_most_waiting(self)
     }
 }
 
@@ -104,13 +110,14 @@ impl Feed {
         self.sites.iter().all(|site| site.ended)
     }
 
-    /// Writes what has come into a health report: the scan, and all sites together. Health itself has no schedule to miss.
+    /// Writes what has come into a health report: the scan, and all sites together; of queues, the fullest one.
     pub fn describe(&self, health: &mut Health) {
         health.scan = self.sites.iter().map(|site| site.scan).max().unwrap_or(0);
-        for topic in Topic::of_data() {
+        for topic in Topic::ALL.into_iter().filter(|topic| topic.is_counted()) {
             let of_topic = self.sites.iter().filter_map(|site| site.intake(topic));
-            if let Some(intake) = of_topic.reduce(sum) {
+            if let Some(intake) = of_topic.reduce(Intake::plus) {
                 health.set_intake(topic, intake);
+                health.set_waiting(topic, self.sites.iter().filter_map(|site| site.take_most_waiting(topic)).max());
             }
         }
     }
@@ -158,7 +165,7 @@ impl SiteFeed {
     fn take_cells(&mut self, index: usize, served: &Served, turn: &Turn, wanted: bool) -> Result<(), IpcError> {
         if !wanted || !self.has_cells {
             if let Some(cells) = self.cells.take() {
-                self.cells_before = sum(self.cells_before, cells.intake());
+                self.cells_before = self.cells_before.plus(cells.intake());
             }
             return Ok(());
         }
@@ -177,18 +184,19 @@ impl SiteFeed {
 
     fn intake(&self, topic: Topic) -> Option<Intake> {
         if topic.is_bulk() {
-            return Some(self.cells.as_ref().map_or(self.cells_before, |cells| sum(self.cells_before, cells.intake())));
+            return Some(self.cells.as_ref().map_or(self.cells_before, |cells| self.cells_before.plus(cells.intake())));
         }
-        self.inputs.iter().find(|input| input.topic() == topic).map(|input| input.intake())
+        self.input(topic).map(Input::intake)
     }
-}
 
-/// Two intakes as one.
-fn sum(a: Intake, b: Intake) -> Intake {
-    Intake {
-        received: a.received + b.received,
-        lost: a.lost + b.lost,
-        restarts: a.restarts + b.restarts,
-        last_seq: a.last_seq.max(b.last_seq),
+    fn take_most_waiting(&self, topic: Topic) -> Option<u32> {
+        if topic.is_bulk() {
+            return self.cells.as_ref().and_then(Subscriber::take_most_waiting);
+        }
+        self.input(topic).and_then(Input::take_most_waiting)
+    }
+
+    fn input(&self, topic: Topic) -> Option<&dyn Input> {
+        self.inputs.iter().find(|input| input.topic() == topic).map(|input| &**input)
     }
 }

@@ -31,9 +31,8 @@ const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/openapi.json");
 
 /// A row of a table.
 fn row<R>(columns: &[Column<R>]) -> Value {
-    let kind = |column: &Column<R>| match column.kind() {
-        "f64" | "f32" => json!({"type": ["number", "null"]}),
-        _ => json!({"type": "integer", "minimum": 0}),
+    let kind = |column: &Column<R>| {
+        if column.is_whole() { json!({"type": "integer", "minimum": 0}) } else { json!({"type": ["number", "null"]}) }
     };
     let properties: serde_json::Map<_, _> = columns.iter().map(|column| (column.name.into(), kind(column))).collect();
     let required: Vec<_> = columns.iter().map(|column| column.name).collect();
@@ -48,11 +47,13 @@ fn parameter(name: &str, place: &str, kind: &str, about: &str) -> Value {
     json!({"name": name, "in": place, "required": place == "path", "description": about, "schema": {"type": kind}})
 }
 
+/// An answer that says in one line what is wrong.
+fn error(about: &str) -> Value {
+    let schema = json!({"$ref": "#/components/schemas/Error"});
+    json!({"description": about, "content": {"application/json": {"schema": schema}}})
+}
+
 fn path(summary: &str, parameters: &[Value], kind: &str, schema: &Value) -> Value {
-    let error = |about: &str| {
-        let schema = json!({"$ref": "#/components/schemas/Error"});
-        json!({"description": about, "content": {"application/json": {"schema": schema}}})
-    };
     let found = json!({"description": summary, "content": {kind: {"schema": schema}}});
     let mut responses =
         json!({"200": found, "401": error("A token is expected."), "403": error("A foreign host or origin.")});
@@ -69,7 +70,6 @@ fn path(summary: &str, parameters: &[Value], kind: &str, schema: &Value) -> Valu
 fn acting(summary: &str, parameters: &[Value], content: Option<&Value>) -> Value {
     let json =
         |about: &str, schema: Value| json!({"description": about, "content": {"application/json": {"schema": schema}}});
-    let error = |about: &str| json(about, json!({"$ref": "#/components/schemas/Error"}));
     let answer = |about: &str| json(about, json!({"$ref": "#/components/schemas/Answer"}));
     let mut request = json!({"summary": summary, "parameters": parameters, "responses": {
         "200": answer("The tracker has accepted it."),
@@ -115,8 +115,8 @@ fn description() -> Value {
     schemas.insert("TrackRow".into(), row(&TRACKS));
     schemas.insert("ClutterRow".into(), row(&MAPS));
     schemas.insert("SystemTrackRow".into(), row(&SYSTEM_TRACKS));
-    let error = json!({"type": "object", "properties": {"error": {"type": "string"}}, "required": ["error"], "additionalProperties": false});
-    schemas.insert("Error".into(), error);
+    let of_errors = json!({"type": "object", "properties": {"error": {"type": "string"}}, "required": ["error"], "additionalProperties": false});
+    schemas.insert("Error".into(), of_errors);
     let site = || parameter("site", "path", "string", "Name of a site.");
     let track_id = || parameter("id", "path", "integer", "Number of the track.");
     let json = "application/json";
@@ -165,9 +165,13 @@ fn description() -> Value {
                 json, &json!({"type": "array", "items": event})),
             "/api/v1/live": {"get": {
                 "summary": "The WebSocket of live data.",
+                "description": "A client says what it wants, and is sent JSON with a `type` and binary tables: docs/display-api.md describes both.",
                 "responses": {
                     "101": {"description": "The connection is a WebSocket now."},
-                    "503": {"description": "Too many viewers."}
+                    "400": error("No request for a WebSocket."),
+                    "401": error("A token is expected."),
+                    "403": error("A foreign host or origin."),
+                    "503": error("Too many viewers.")
                 }
             }}
         },

@@ -376,7 +376,7 @@ class Health(ctypes.Structure):
         ("rss_bytes", ctypes.c_uint64),
         ("messages_out", ctypes.c_uint64),
         ("elements_out", ctypes.c_uint64),
-        ("inputs", Input * 8),
+        ("inputs", Input * 16),
         ("latency", LatencySummary * 7),
         ("rejected", RejectedFor * 16),
         ("observers", ObserverLoss * 8),
@@ -395,8 +395,9 @@ class Health(ctypes.Structure):
         ("private_kib", ctypes.c_uint32),
         ("false_alarms", FalseAlarms),
         ("clock_uncertainty_us", ctypes.c_float),
-        ("waiting", ctypes.c_uint32 * 8),
-    ]  # 2112 bytes
+        ("waiting", ctypes.c_uint32 * 16),
+        ("reserved", ctypes.c_uint32 * 8),
+    ]  # 2688 bytes
 
 
 TOPICS = {
@@ -408,7 +409,7 @@ TOPICS = {
     "commands": Topic(CommandsHeader, Command, "radar/CommandsHeader/1", "radar/Command/1", 64, "commands/1", 1),
     "actions": Topic(CommandsHeader, Command, "radar/CommandsHeader/1", "radar/Command/1", 64, "actions/1", 1),
     "clutter-map": Topic(ClutterMapHeader, ClutterCell, "radar/ClutterMapHeader/1", "radar/ClutterCell/1", 64, "clutter-map/1", 5760),
-    "health": Topic(HealthHeader, Health, "radar/HealthHeader/1", "radar/Health/3", 8, "health/3", 1),
+    "health": Topic(HealthHeader, Health, "radar/HealthHeader/1", "radar/Health/4", 8, "health/4", 1),
 }
 
 # The event by which each stage tells a publisher that it has found it.

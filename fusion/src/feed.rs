@@ -145,6 +145,11 @@ impl Feed {
         self.tracks.intake()
     }
 
+    /// The most messages that one has found waiting before it since the last call.
+    pub(crate) fn take_most_waiting(&self) -> Option<u32> {
+        self.tracks.take_most_waiting()
+    }
+
     /// Puts the targets as they are at `now_ns`, with the time of what is known of each, unless something newer is known already.
     pub(crate) fn truth_at(&mut self, now_ns: u64, put: &mut BTreeMap<u32, (u64, TruthTarget)>) {
         let oldest_s = TRUTH_SCANS * self.scan_period_s;

@@ -355,13 +355,9 @@ impl Stage {
         health.scan = self.next.unwrap_or(0).saturating_sub(1);
         (health.messages_out, health.elements_out) = (self.messages, self.elements);
         (health.tracks, health.confirmed) = (self.told.len() as u32, self.confirmed);
-        let sum = feeds.iter().map(Feed::intake).fold(Intake::default(), |sum, of| Intake {
-            received: sum.received + of.received,
-            lost: sum.lost + of.lost,
-            restarts: sum.restarts + of.restarts,
-            last_seq: of.last_seq,
-        });
-        health.set_intake(Topic::Tracks, sum);
+        let of_all = feeds.iter().map(Feed::intake).fold(Intake::default(), Intake::plus);
+        health.set_intake(Topic::Tracks, of_all);
+        health.set_waiting(Topic::Tracks, feeds.iter().filter_map(Feed::take_most_waiting).max());
         let mut rejected = Rejected::default();
         for counts in (0..feeds.len()).map(|site| self.fusion.counts(site)) {
             rejected.count_many(Reject::Late, counts.untimely + counts.repeated);

@@ -77,6 +77,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             let health = &mut reporter.health;
             for input in &inputs {
                 health.set_intake(input.topic(), input.intake());
+                health.set_waiting(input.topic(), input.take_most_waiting());
             }
             let mut rejected = Rejected::default();
             rejected.count_many(Reject::Full, sender.window.given_up());
@@ -109,6 +110,7 @@ trait Input {
     /// Whether no more will come.
     fn has_ended(&self, is_stopping: bool) -> bool;
     fn intake(&self) -> Intake;
+    fn take_most_waiting(&self) -> Option<u32>;
 }
 
 struct Of<M: Message> {
@@ -151,6 +153,10 @@ impl<M: Message> Input for Of<M> {
 
     fn intake(&self) -> Intake {
         self.subscriber.intake()
+    }
+
+    fn take_most_waiting(&self) -> Option<u32> {
+        self.subscriber.take_most_waiting()
     }
 }
 

@@ -4,10 +4,10 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use common::config::{ChainConfig, OutputFormat, Sent, Sites, Source};
-use common::health::{Reject, Rejected};
+use common::health::{Health, Intake, Reject, Rejected};
 use common::ipc::{Flow, IpcError, ObserverLosses, Received, Station, Subscriber, Turn, attend};
 use common::message::END_OF_STREAM;
-use common::messages::{Actions, Plots, SystemTracks, Tracks};
+use common::messages::{Actions, Message, Plots, SystemTracks, Tracks};
 use common::process::{BadInput, HealthReporter, StageArgs, new_session, say, stop_requested, tell};
 use common::realtime;
 use common::time::monotonic_ns;
@@ -120,7 +120,7 @@ fn count_dropped(outputs: &[Output], noted: &mut [u64], losses: &ObserverLosses)
     }
 }
 
-fn describe(health: &mut common::health::Health, outputs: &[Output], feeds: &[Feed]) {
+fn describe(health: &mut Health, outputs: &[Output], feeds: &[Feed]) {
     let mut rejected = Rejected::default();
     (health.messages_out, health.elements_out) = (0, 0);
     for output in outputs {
@@ -130,11 +130,17 @@ fn describe(health: &mut common::health::Health, outputs: &[Output], feeds: &[Fe
     }
     health.set_rejected(&rejected);
     health.scan = feeds.iter().map(|feed| feed.scan).max().unwrap_or(0);
-    if let Some(feed) = feeds.first() {
-        health.set_intake(Topic::Tracks, feed.tracks.intake());
-        if let Some(plots) = &feed.plots {
-            health.set_intake(Topic::Plots, plots.intake());
-        }
+    tell_of(health, feeds.iter().map(|feed| &feed.tracks));
+    tell_of(health, feeds.iter().filter_map(|feed| feed.plots.as_ref()));
+    tell_of(health, feeds.iter().filter_map(|feed| feed.system_tracks.as_ref()));
+    tell_of(health, feeds.iter().filter_map(|feed| feed.actions.as_ref()));
+}
+
+/// Notes what has come of a topic from all sites, if it is taken of any; of their queues, the fullest one.
+fn tell_of<'a, M: Message + 'a>(health: &mut Health, subscribers: impl Iterator<Item = &'a Subscriber<M>> + Clone) {
+    if let Some(intake) = subscribers.clone().map(Subscriber::intake).reduce(Intake::plus) {
+        health.set_intake(M::TOPIC, intake);
+        health.set_waiting(M::TOPIC, subscribers.filter_map(Subscriber::take_most_waiting).max());
     }
 }
 

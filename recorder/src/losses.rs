@@ -285,6 +285,9 @@ impl Losses {
             let missed = self.missed_at_end(topic, books.told(topic, stream.received() + stream.intake.lost));
             if topic.is_data() && (stream.intake.received > 0 || missed > 0) {
                 note(name, RECORDER, stream.intake.lost + missed);
+            } else if topic.is_counted() && stream.intake.lost > 0 {
+                // No schedule says when there is one: only what is missing between two of them is known.
+                note(name, RECORDER, stream.intake.lost);
             }
             if stream.unwritten > 0 {
                 note(name, RECORDING, stream.unwritten);

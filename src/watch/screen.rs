@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use common::config::{ChainConfig, Sites, Speed};
 use common::latency::LATENCY_NAMES;
-use common::status::{Board, SiteBoard, data_inputs};
+use common::status::{Board, SiteBoard, counted_inputs};
 use crossterm::cursor::MoveToPreviousLine;
 use crossterm::style::Stylize;
 use crossterm::terminal::{Clear, ClearType, size};
@@ -225,7 +225,7 @@ fn put_site(picture: &mut Picture, chain: &ChainConfig, board: &SiteBoard, resta
             health.rejected().map(|(_, count)| count).sum::<u64>()
         );
         let mut lost = 0;
-        for (topic, intake) in data_inputs(health).filter(|(_, intake)| intake.received > 0) {
+        for (topic, intake) in counted_inputs(health).filter(|(_, intake)| intake.received > 0) {
             let _ = write!(text, "   {} {topic}", intake.lost);
             lost += intake.lost;
         }

@@ -5,9 +5,10 @@
     cargo run --release &
     venv/bin/python tests/judges/display_page.py http://127.0.0.1:8080 --shots shots
 
-Checks: tracks are confirmed in time; a click shows the panel of a track; the numbers of the view of the chain are those of
-`status`; every control is reached by Tab; where viewers may act, zones, labels and drops are answered; axe finds nothing in day and night colours; the console is silent; nothing is asked
-of another host. Measures frames a second and the latency to the screen. Prints one line of JSON; exit code 1 on a failure.
+Checks: tracks are confirmed in time (counted from here; `confirmed_in_scan` says how long the chain has run); radar video stays for
+a whole turn; a click shows the panel of a track; the numbers of the view of the chain are those of `status`; every control is
+reached by Tab; where viewers may act, zones, labels and drops are answered; axe finds nothing in day and night colours; the console
+is silent; nothing is asked of another host. Measures frames a second and the latency to the screen. Prints one line of JSON; exit code 1 on a failure.
 """
 
 import argparse
@@ -90,6 +91,7 @@ def wait_for_confirmed(page, judge, wanted, limit_s):
     seen = wait_until(page, f"{confirmed} >= {wanted}", limit_s)
     judge.expect(seen, f"{page.evaluate(confirmed)} confirmed tracks within {limit_s} s, expected {wanted}")
     judge.figures["confirmed_after_s"] = round(time.monotonic() - began, 1)
+    judge.figures["confirmed_in_scan"] = page.text_content("#fact-scan")
 
 
 def click_a_track(page, judge):
@@ -159,6 +161,18 @@ def reach_by_keyboard(page, judge):
     judge.expect(not page.is_visible("#help"), "Escape closes the help")
 
 
+def switch_heights(page, judge):
+    """Without the heights the plan takes their room, at once, and with them it is what it was."""
+    places = []
+    for _ in range(2):
+        places.append(page.evaluate("[document.getElementById('plan').clientHeight, radarChain.height]"))
+        page.keyboard.press("h")
+        page.wait_for_timeout(500)
+    places.append(page.evaluate("[document.getElementById('plan').clientHeight, radarChain.height]"))
+    drawn = [abs(height - view) < 2 for height, view in places]
+    judge.expect(all(drawn) and places[1][0] > places[0][0] and places[2] == places[0], f"heights off and on: plan and view {places}")
+
+
 def check_access(page, judge, what):
     for found in Axe().run(page).response["violations"]:
         judge.expect(False, f"axe, {what}: {found['id']} at {[node['target'] for node in found['nodes']][:3]}")
@@ -223,6 +237,8 @@ def main():
         page.wait_for_timeout(options.measure * 1000)
         frames, latency = page.evaluate("[radarChain.frames, radarChain.latency]")
         measured = latency["n"] > 0  # a recording has none
+        for site, share in page.evaluate("radarChain.video").items():
+            judge.expect(share > 0.9, f"video of {site} on {100 * share:.0f} % of the circle")
         judge.figures["frames_per_s"] = round(frames["drawn_per_s"] or 0, 1)
         judge.figures.update({f"latency_{key}": round(latency[key], 1) for key in ("p50_ms", "p95_ms", "n") if measured})
         judge.expect(judge.figures["frames_per_s"] >= options.least_frames, f"{frames['drawn_per_s']} frames a second")
@@ -232,6 +248,7 @@ def main():
         check_access(page, judge, "picture, night")
         compare_status(page, judge, status)
         reach_by_keyboard(page, judge)
+        switch_heights(page, judge)
         act(page, judge, shoot)
         page.keyboard.press("2")
         page.wait_for_timeout(1500)

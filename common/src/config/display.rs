@@ -35,7 +35,11 @@ impl DisplayConfig {
         self.listen.parse().unwrap_or((Ipv4Addr::LOCALHOST, 0).into())
     }
 
-    pub(super) fn check(&self) -> Result<(), ConfigError> {
+    /// Checks the values and what they are together.
+    ///
+    /// # Errors
+    /// A value cannot be used, or anybody could look without a token.
+    pub fn check(&self) -> Result<(), ConfigError> {
         let address: Option<SocketAddr> = self.listen.parse().ok();
         require(
             "display.listen",

@@ -50,7 +50,7 @@ pub use replay::ReplayConfig;
 pub use run::{Mode, RunConfig, Source, Speed};
 pub use sim::{ClutterConfig, MotionConfig, SimConfig, Swerling, TargetConfig};
 pub use site::{Position, SiteConfig};
-pub use sites::{Sites, adjust, load, load_sites, parse, parse_sites};
+pub use sites::{Sites, adjust, load, load_sites, parse, parse_recorded, parse_sites};
 pub use soak::{MetricsConfig, SoakConfig};
 pub use supervision::{SupervisionConfig, WatchdogConfig};
 pub use tracker::*;

@@ -145,6 +145,16 @@ pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<ChainConfi
     only(&parse_sites(path, text, overrides)?)
 }
 
+/// The configuration of one site as its recording holds it, whatever other sites the chain had; `path` is for messages.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse_recorded(path: &Path, text: &str) -> Result<ChainConfig, ConfigError> {
+    let site = read(&path.display().to_string(), table_of(path, text)?)?;
+    site.check()?;
+    Ok(site)
+}
+
 fn only(sites: &Sites) -> Result<ChainConfig, ConfigError> {
     let count = sites.all().len();
     require("site", format!("{count} sites"), count == 1, &format!("one of {} (--site)", sites.names().join(", ")))?;
@@ -170,10 +180,7 @@ pub fn load_sites(path: Option<&Path>, overrides: &[String]) -> Result<Sites, Co
 /// # Errors
 /// [`ConfigError`], naming the file, key or value and what was expected.
 pub fn parse_sites(path: &Path, text: &str, overrides: &[String]) -> Result<Sites, ConfigError> {
-    let mut table: Table = toml::from_str(text).map_err(|error| ConfigError::Syntax {
-        path: path.to_path_buf(),
-        message: error.to_string().lines().map(shortened).collect::<Vec<_>>().join(" "),
-    })?;
+    let mut table = table_of(path, text)?;
     let place = path.display().to_string();
     let several = matches!(table.get("site"), Some(Value::Array(_)));
     let (of_defaults, others): (Vec<_>, Vec<_>) =
@@ -214,6 +221,13 @@ pub fn parse_sites(path: &Path, text: &str, overrides: &[String]) -> Result<Site
         sites.change(|site| site.run.fused = site.run.source != Source::Fusion);
     }
     Ok(sites)
+}
+
+fn table_of(path: &Path, text: &str) -> Result<Table, ConfigError> {
+    toml::from_str(text).map_err(|error| ConfigError::Syntax {
+        path: path.to_path_buf(),
+        message: error.to_string().lines().map(shortened).collect::<Vec<_>>().join(" "),
+    })
 }
 
 /// The table of each site with its name, from a file with `[[site]]`.

@@ -141,7 +141,7 @@ impl SiteBoard {
     pub fn lost(&self) -> u64 {
         let counts = |name| Stage::from_name(name).is_some_and(|stage| !stage.is_observer());
         let stages = self.all().filter(|&(name, ..)| counts(name));
-        stages.flat_map(|(_, health, _)| data_inputs(health)).map(|(_, intake)| intake.lost).sum()
+        stages.flat_map(|(_, health, _)| counted_inputs(health)).map(|(_, intake)| intake.lost).sum()
     }
 
     /// What full queues of observers have discarded.
@@ -150,7 +150,7 @@ impl SiteBoard {
     }
 }
 
-/// The topics that a process reads, health aside.
-pub fn data_inputs(health: &Health) -> impl Iterator<Item = (&str, &crate::health::Intake)> {
-    health.inputs().filter(|(topic, _)| Topic::from_name(topic).is_none_or(Topic::is_data))
+/// The topics that a process reads and of which a missing message is lost.
+pub fn counted_inputs(health: &Health) -> impl Iterator<Item = (&str, &crate::health::Intake)> {
+    health.inputs().filter(|(topic, _)| Topic::from_name(topic).is_none_or(Topic::is_counted))
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::board::{Board, SiteBoard, data_inputs};
+use super::board::{Board, SiteBoard, counted_inputs};
 use crate::health::{Condition, Health, Intake, RealtimeSetting};
 use crate::latency::LATENCY_NAMES;
 
@@ -34,7 +34,7 @@ fn process_json(health: &Health, cpu_share: f64) -> Value {
         })
         .collect();
     let by_topic = |count: fn(&Intake) -> u64| -> Map<String, Value> {
-        data_inputs(health).map(|(topic, intake)| (topic.to_string(), count(intake).into())).collect()
+        counted_inputs(health).map(|(topic, intake)| (topic.to_string(), count(intake).into())).collect()
     };
     let waiting: Map<String, Value> = health.waiting().map(|(topic, most)| (topic.to_string(), most.into())).collect();
     let rejected: Map<String, Value> =

@@ -3,5 +3,5 @@
 mod board;
 mod json;
 
-pub use board::{Board, LAUNCHER, SiteBoard, data_inputs};
+pub use board::{Board, LAUNCHER, SiteBoard, counted_inputs};
 pub use json::to_json;

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use common::health::{Condition, Health};
 use common::latency::LATENCY_NAMES;
-use common::status::data_inputs;
+use common::status::counted_inputs;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -135,7 +135,7 @@ pub(super) fn of_health(before: &Health, now: &Health) -> Vec<Happening> {
     if let Some(warning) = now.false_alarms.warning().filter(|_| !before.false_alarms.is_off()) {
         happened(Kind::Warning, format!("{process}: {warning}"));
     }
-    let lost = |health: &Health| data_inputs(health).map(|(_, intake)| intake.lost).sum::<u64>();
+    let lost = |health: &Health| counted_inputs(health).map(|(_, intake)| intake.lost).sum::<u64>();
     let more = lost(now).saturating_sub(lost(before));
     if more > 0 {
         happened(Kind::Warning, format!("{process} has missed {more} messages"));

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use common::clutter_map::{ClutterCell, ClutterMapHeader};
 use common::config::{ChainConfig, Source};
+use common::message::Stamps;
 use common::plots::{Plot, PlotsHeader};
 use common::system_tracks::{SystemTrack, SystemTracksHeader};
 use common::tracks::{Models, TERMINATED, Track, TracksHeader, kind_name};
@@ -33,8 +34,8 @@ pub struct SitePicture {
     pub plots: VecDeque<(PlotsHeader, Vec<Plot>)>,
     /// Living tracks by number.
     pub tracks: BTreeMap<u64, Tracked>,
-    /// Header of the last tracks, and CLOCK_MONOTONIC when they came, ns.
-    pub tracks_header: Option<(TracksHeader, u64)>,
+    /// Header of the last tracks.
+    pub tracks_header: Option<TracksHeader>,
     /// True targets of the last scan.
     pub truth: Option<(TruthHeader, Vec<TruthTarget>)>,
     /// System tracks of the last cycle.
@@ -55,6 +56,8 @@ pub struct Tracked {
     pub track: Track,
     /// The scan of that.
     pub scan: u32,
+    /// Where the message of that has been, and CLOCK_MONOTONIC when it came, ns.
+    pub way: (Stamps, u64),
 }
 
 impl SitePicture {
@@ -95,9 +98,12 @@ impl SitePicture {
 
     /// Notes the tracks of a sector; those that have ended without a word.
     pub(super) fn take_tracks(&mut self, header: &TracksHeader, tracks: &[Track], taken_ns: u64) -> Vec<Track> {
-        let of_another = self.tracks_header.is_some_and(|(last, _)| last.numbering() != header.numbering());
+        let of_another = self.tracks_header.is_some_and(|last| last.numbering() != header.numbering());
         let mut gone = if of_another { self.forget_tracks() } else { Vec::new() };
-        self.tracks_header = Some((*header, taken_ns));
+        for track in &gone {
+            self.lose(track, "with its tracker");
+        }
+        self.tracks_header = Some(*header);
         for track in tracks {
             self.note_models(track);
             let before = self.tracks.get(&track.id).is_some_and(|of| of.track.is_confirmed());
@@ -115,20 +121,28 @@ impl SitePicture {
                 self.tracks.remove(&track.id);
                 self.operated.forget_label(track.id);
             } else {
-                self.tracks.insert(track.id, Tracked { track: *track, scan: header.scan });
+                self.tracks
+                    .insert(track.id, Tracked { track: *track, scan: header.scan, way: (header.stamps, taken_ns) });
             }
         }
         if header.sector == 0 {
-            self.tracks.retain(|_, of| {
-                let is_silent = header.scan.saturating_sub(of.scan) > SILENT_SCANS;
-                gone.extend(is_silent.then(|| ended(&of.track)));
-                !is_silent
-            });
+            let is_silent = |of: &&Tracked| header.scan.saturating_sub(of.scan) > SILENT_SCANS;
+            let silent: Vec<_> = self.tracks.values().filter(is_silent).map(|of| of.track).collect();
+            for track in silent {
+                self.tracks.remove(&track.id);
+                self.lose(&track, "without a word");
+                gone.push(track);
+            }
         }
-        for track in &gone {
-            self.operated.forget_label(track.id);
+        gone.into_iter().map(|track| Track { state_code: TERMINATED, ..track }).collect()
+    }
+
+    /// Notes the end of a track that its tracker has not told of.
+    fn lose(&mut self, track: &Track, how: &str) {
+        self.operated.forget_label(track.id);
+        if track.is_confirmed() {
+            self.turn(Kind::Ended, track.id, format!("track {} ended {how}", track.id));
         }
-        gone
     }
 
     /// Notes the system tracks of a cycle.
@@ -159,7 +173,7 @@ impl SitePicture {
     }
 
     fn forget_tracks(&mut self) -> Vec<Track> {
-        std::mem::take(&mut self.tracks).into_values().map(|of| ended(&of.track)).collect()
+        std::mem::take(&mut self.tracks).into_values().map(|of| of.track).collect()
     }
 
     fn note_models(&mut self, track: &Track) {
@@ -182,11 +196,6 @@ fn ranges_m(site: &ChainConfig) -> (f64, Option<f64>) {
         Source::PlotSource => (0.0, Some(site.plot_source.coverage_range_m)),
         _ => (0.0, None),
     }
-}
-
-/// A track as it is told of for the last time.
-fn ended(track: &Track) -> Track {
-    Track { state_code: TERMINATED, ..*track }
 }
 
 /// Names of models: their kinds, numbered where there are several of one.

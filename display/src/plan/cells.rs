@@ -2,14 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use std::io::Write;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use common::dwell::DwellHeader;
-use flate2::{Compression, Crc, write::ZlibEncoder};
 
 use super::scale::Scale;
+use super::sheet::Shading;
 use crate::picture::video::{DB_FIRST, DB_STEP, Gatherer, SectorVideo};
 
 /// Cells so strong over the noise, dB, begin to be seen, and are darkest.
@@ -36,16 +33,16 @@ impl Cells {
         }
     }
 
-    /// The image of a square about the middle of the plan whose upper left corner is at `corner`, px, as far as `range_m` reaches, as
-    /// the address of a PNG; none without cells. `site_m` is where the radar stands, m east and north.
-    pub(super) fn image(
+    /// A square about the middle of the plan whose upper left corner is at `corner`, px, as far as `range_m` reaches; none without
+    /// cells. `site_m` is where the radar stands, m east and north.
+    pub(super) fn shading(
         &self,
         scale: &Scale,
         range_m: f64,
         site_m: [f64; 2],
         corner: [f64; 2],
-        shade: u8,
-    ) -> Option<String> {
+        grey: u8,
+    ) -> Option<Shading> {
         let side = (2.0 * (scale.middle[0] - corner[0])) as u32;
         let any = self.sectors.values().flatten().next()?;
         let step_rad = any.azimuth_step_rad;
@@ -76,50 +73,22 @@ impl Cells {
             let (near, far) = (cell(range_m - half_px_m), cell(range_m + half_px_m).min(piece.ranges - 1));
             cells.get(near..=far.max(near)).and_then(|cells| cells.iter().max().copied())
         };
-        let mut rows = Vec::with_capacity((2 * side as usize + 1) * side as usize);
-        for y in 0..side {
-            rows.push(0); // no filter
-            for x in 0..side {
-                rows.extend([shade, level(x, y).map_or(0, opacity)]);
-            }
-        }
-        Some(format!("data:image/png;base64,{}", STANDARD.encode(png(side, &rows))))
+        let opacity = (0..side).flat_map(|y| (0..side).map(move |x| (x, y)));
+        let opacity = opacity.map(|(x, y)| level(x, y).map_or(0, opacity_of)).collect();
+        Some(Shading { side, grey, opacity })
     }
 }
 
 /// How opaque a level is drawn.
-fn opacity(level: u8) -> u8 {
+fn opacity_of(level: u8) -> u8 {
     let db = f64::from(DB_FIRST) + f64::from(level) * f64::from(DB_STEP);
     (((db - SEEN_DB[0]) / (SEEN_DB[1] - SEEN_DB[0])).clamp(0.0, 1.0) * OPACITY) as u8
-}
-
-/// A square of grey and opacity, 8 bits each, as PNG.
-fn png(side: u32, rows: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-    // Writing to memory cannot fail.
-    let _ = encoder.write_all(rows);
-    let data = encoder.finish().unwrap_or_default();
-    let mut header = [side.to_be_bytes(), side.to_be_bytes()].concat();
-    header.extend([8, 4, 0, 0, 0]);
-    let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
-    for (name, content) in [(b"IHDR", header), (b"IDAT", data), (b"IEND", Vec::new())] {
-        let mut check = Crc::new();
-        check.update(name);
-        check.update(&content);
-        bytes.extend((content.len() as u32).to_be_bytes());
-        bytes.extend(name);
-        bytes.extend(content);
-        bytes.extend(check.sum().to_be_bytes());
-    }
-    bytes
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use common::message::END_OF_SECTOR;
-    use flate2::read::ZlibDecoder;
-    use std::io::Read;
 
     /// An echo at 90°, 800 m lies east of the middle, and nothing else is dark.
     #[test]
@@ -145,15 +114,11 @@ mod tests {
             cells.take(&header, &amplitudes);
         }
         let scale = Scale { middle_m: [0.0; 2], middle: [50.0, 50.0], per_m: 0.05 };
-        let image = cells.image(&scale, 1000.0, [0.0; 2], [0.0; 2], 40).expect("cells");
-        let bytes = STANDARD.decode(image.strip_prefix("data:image/png;base64,").expect("a PNG")).expect("base64");
-        assert_eq!(bytes[16..24], [0, 0, 0, 100, 0, 0, 0, 100]);
-        let length = u32::from_be_bytes(bytes[33..37].try_into().expect("four")) as usize;
-        let mut rows = Vec::new();
-        ZlibDecoder::new(&bytes[41..41 + length]).read_to_end(&mut rows).expect("zlib");
+        let shading = cells.shading(&scale, 1000.0, [0.0; 2], [0.0; 2], 40).expect("cells");
+        assert_eq!((shading.side, shading.opacity.len()), (100, 100 * 100));
         let dark: Vec<(usize, usize)> = (0..100)
             .flat_map(|y| (0..100).map(move |x| (x, y)))
-            .filter(|&(x, y)| rows[y * 201 + 1 + 2 * x + 1] > 100)
+            .filter(|&(x, y)| shading.opacity[y * 100 + x] > 100)
             .collect();
         assert!(
             !dark.is_empty() && dark.iter().all(|&(x, y)| (88..=92).contains(&x) && (48..=54).contains(&y)),

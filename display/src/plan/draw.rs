@@ -7,34 +7,24 @@ use common::config::{ChainConfig, Source};
 
 use super::cells::Cells;
 use super::scale::{Scale, distance, round_step};
-use super::svg::Svg;
+use super::sheet::{Anchor, Sheet};
+use super::style::{Mark, Theme};
 use crate::picture::Picture;
 use crate::picture::site::SitePicture;
 use crate::wire::plots::position_m;
 
-/// The sheet, px.
+/// The plan, px.
 const SIDE: f64 = 1000.0;
 /// Room above the plan for what it shows, px.
 const HEAD: f64 = 64.0;
+/// The sheet, width and height, px.
+pub(super) const SIZE: [f64; 2] = [SIDE, SIDE + HEAD];
 /// Room about the plan for the azimuth scale, px.
 const MARGIN: f64 = 40.0;
 /// Range rings at most.
 const RINGS: f64 = 5.0;
 /// A speed vector ends where its target is after so long, in scans.
 const VECTOR_SCANS: f64 = 10.0;
-
-/// Colours on a light sheet.
-const DAY: &str = "svg{background:#fff;font:14px 'DejaVu Sans',sans-serif}.ring,.spoke{fill:none;stroke:#c3ccd4;stroke-width:1}\
-.scale{fill:#5a6b78;font-size:12px}.title{fill:#16242e;font-size:20px}.note{fill:#3c4c57}.plot{fill:#b07a1e;opacity:.55}\
-.truth{fill:none;stroke:#7a8791;stroke-width:1.5}.trail{fill:none;stroke:#0a6bb5;stroke-width:1.5;opacity:.55}\
-.vector{fill:none;stroke:#0a4f8a;stroke-width:2}.confirmed{fill:#0a4f8a}.tentative{fill:#fff;stroke:#0a4f8a;stroke-width:1.5}\
-.number{fill:#0a3d69;font-weight:bold}.site{fill:#16242e}";
-/// Colours on a dark one.
-const NIGHT: &str = "svg{background:#0b1218;font:14px 'DejaVu Sans',sans-serif}.ring,.spoke{fill:none;stroke:#263541;stroke-width:1}\
-.scale{fill:#8fa3b2;font-size:12px}.title{fill:#e6eef4;font-size:20px}.note{fill:#b4c3cf}.plot{fill:#e0b050;opacity:.55}\
-.truth{fill:none;stroke:#8895a0;stroke-width:1.5}.trail{fill:none;stroke:#58b0f0;stroke-width:1.5;opacity:.6}\
-.vector{fill:none;stroke:#9bd2ff;stroke-width:2}.confirmed{fill:#9bd2ff}.tentative{fill:#0b1218;stroke:#9bd2ff;stroke-width:1.5}\
-.number{fill:#cfe8ff;font-weight:bold}.site{fill:#e6eef4}";
 
 /// The ways of tracks, by site and number: positions in the picture, m, oldest first.
 pub(super) type Trails = HashMap<(usize, u64), Vec<[f64; 3]>>;
@@ -50,36 +40,30 @@ pub(super) struct Plan<'a> {
     pub(super) title: &'a str,
     /// Range of the plan about the first radar, m; `None` for what the radars cover.
     pub(super) range_m: Option<f64>,
-    pub(super) night: bool,
+    pub(super) theme: Theme,
 }
 
 impl Plan<'_> {
-    /// The drawing, SVG.
-    pub(super) fn draw(&self) -> String {
-        let style = if self.night { NIGHT } else { DAY };
-        let mut svg = Svg::new(SIDE, SIDE + HEAD, self.title, style);
-        if self.night {
-            svg.element("rect", "", &[("width", &"100%"), ("height", &"100%"), ("fill", &"#0b1218")]);
-        }
+    /// Draws it on a sheet of [`SIZE`].
+    pub(super) fn draw(&self, sheet: &mut dyn Sheet) {
         let range_m = self.range_m.unwrap_or_else(|| self.reach_m());
         let scale = Scale {
             middle_m: [0.0; 2],
             middle: [SIDE / 2.0, HEAD + SIDE / 2.0],
             per_m: (SIDE / 2.0 - MARGIN) / range_m,
         };
-        let shade = if self.night { 90 } else { 150 };
         for (site, cells) in self.picture.sites.iter().zip(self.cells) {
             let [east, north, _] = site.place.position_m([0.0; 3]);
-            if let Some(image) = cells.image(&scale, range_m, [east, north], [0.0, HEAD], shade) {
-                svg.element("image", "", &[("y", &HEAD), ("width", &SIDE), ("height", &SIDE), ("href", &image)]);
+            let corner = [0.0, HEAD];
+            if let Some(shading) = cells.shading(&scale, range_m, [east, north], corner, self.theme.shade) {
+                sheet.shade(corner, &shading);
             }
         }
-        rings(&mut svg, &scale, range_m);
+        rings(sheet, &scale, range_m);
         for (number, site) in self.picture.sites.iter().enumerate() {
-            self.site(&mut svg, &scale, number, site);
+            self.site(sheet, &scale, number, site);
         }
-        self.head(&mut svg);
-        svg.finish()
+        self.head(sheet);
     }
 
     /// The farthest that anything shown is from the first radar, m.
@@ -96,22 +80,22 @@ impl Plan<'_> {
         reach_m
     }
 
-    fn site(&self, svg: &mut Svg, scale: &Scale, number: usize, site: &SitePicture) {
+    fn site(&self, sheet: &mut dyn Sheet, scale: &Scale, number: usize, site: &SitePicture) {
         let config = &self.sites[number];
         let at = scale.place(site.place.position_m([0.0; 3]));
-        svg.line("site", [[at[0], at[1] - 7.0], [at[0] + 6.0, at[1] + 5.0], [at[0] - 6.0, at[1] + 5.0]]);
+        sheet.line(Mark::Site, &[[at[0], at[1] - 7.0], [at[0] + 6.0, at[1] + 5.0], [at[0] - 6.0, at[1] + 5.0]]);
         if self.sites.len() > 1 {
-            svg.text("note", [at[0] + 9.0, at[1] + 5.0], "start", &site.name);
+            sheet.text(Mark::Note, [at[0] + 9.0, at[1] + 5.0], Anchor::Start, &site.name);
         }
         for (_, plots) in site.last_scan() {
             for plot in plots {
-                svg.circle("plot", scale.place(position_m(plot, &site.place)), 2.5);
+                sheet.circle(Mark::Plot, scale.place(position_m(plot, &site.place)), 2.5);
             }
         }
         for target in site.truth.iter().flat_map(|(_, targets)| targets) {
             let [x, y] = scale.place(site.place.position_m(target.position_m()));
-            svg.line("truth", [[x - 7.0, y], [x + 7.0, y]]);
-            svg.line("truth", [[x, y - 7.0], [x, y + 7.0]]);
+            sheet.line(Mark::Truth, &[[x - 7.0, y], [x + 7.0, y]]);
+            sheet.line(Mark::Truth, &[[x, y - 7.0], [x, y + 7.0]]);
         }
         let ahead_s = VECTOR_SCANS * config.scan_period_s();
         for (id, of) in &site.tracks {
@@ -120,21 +104,22 @@ impl Plan<'_> {
             let velocity = site.place.vector(track.velocity_mps());
             let at = scale.place(from_m);
             if let Some(trail) = self.trails.get(&(number, *id)) {
-                svg.line("trail", trail.iter().map(|&position| scale.place(position)));
+                let points: Vec<[f64; 2]> = trail.iter().map(|&position| scale.place(position)).collect();
+                sheet.line(Mark::Trail, &points);
             }
             if !track.is_confirmed() {
-                svg.circle("tentative", at, 3.5);
+                sheet.circle(Mark::Tentative, at, 3.5);
                 continue;
             }
             let ahead_m = std::array::from_fn(|axis| from_m[axis] + ahead_s * velocity[axis]);
-            svg.line("vector", [at, scale.place(ahead_m)]);
-            svg.circle("confirmed", at, 5.0);
-            svg.text("number", [at[0] + 9.0, at[1] - 8.0], "start", &id.to_string());
+            sheet.line(Mark::Vector, &[at, scale.place(ahead_m)]);
+            sheet.circle(Mark::Confirmed, at, 5.0);
+            sheet.text(Mark::Number, [at[0] + 9.0, at[1] - 8.0], Anchor::Start, &id.to_string());
         }
     }
 
-    fn head(&self, svg: &mut Svg) {
-        svg.text("title", [MARGIN, 30.0], "start", self.title);
+    fn head(&self, sheet: &mut dyn Sheet) {
+        sheet.text(Mark::Title, [MARGIN, 30.0], Anchor::Start, self.title);
         let tracks = || self.picture.sites.iter().flat_map(|site| site.tracks.values());
         let confirmed = tracks().filter(|of| of.track.is_confirmed()).count();
         let plots: usize =
@@ -144,7 +129,7 @@ impl Plan<'_> {
             tracks().count() - confirmed,
             if self.picture.sites.iter().any(|site| site.truth.is_some()) { ", + truth" } else { "" }
         );
-        svg.text("note", [MARGIN, 52.0], "start", &legend);
+        sheet.text(Mark::Note, [MARGIN, 52.0], Anchor::Start, &legend);
     }
 }
 
@@ -156,21 +141,26 @@ fn farthest_m(site: &SitePicture) -> f64 {
 }
 
 /// Range rings about the first radar, and the azimuth scale.
-fn rings(svg: &mut Svg, scale: &Scale, range_m: f64) {
+fn rings(sheet: &mut dyn Sheet, scale: &Scale, range_m: f64) {
     let step_m = round_step(range_m, RINGS);
     let middle = scale.middle;
     for ring in 1..=(range_m / step_m).floor() as u32 {
         let radius_m = f64::from(ring) * step_m;
-        svg.circle("ring", middle, radius_m * scale.per_m);
-        svg.text("scale", [middle[0] + 4.0, middle[1] - radius_m * scale.per_m - 4.0], "start", &distance(radius_m));
+        sheet.circle(Mark::Ring, middle, radius_m * scale.per_m);
+        sheet.text(
+            Mark::Scale,
+            [middle[0] + 4.0, middle[1] - radius_m * scale.per_m - 4.0],
+            Anchor::Start,
+            &distance(radius_m),
+        );
     }
     let edge = range_m * scale.per_m;
-    svg.circle("ring", middle, edge);
+    sheet.circle(Mark::Ring, middle, edge);
     for degrees in (0..360).step_by(30) {
         let (sin, cos) = (f64::from(degrees) * TAU / 360.0).sin_cos();
         let at = |radius: f64| [middle[0] + radius * sin, middle[1] - radius * cos];
-        svg.line("spoke", [at(0.0), at(edge)]);
+        sheet.line(Mark::Spoke, &[at(0.0), at(edge)]);
         let [x, y] = at(edge + 18.0);
-        svg.text("scale", [x, y + 4.0], "middle", &format!("{degrees:03}°"));
+        sheet.text(Mark::Scale, [x, y + 4.0], Anchor::Middle, &format!("{degrees:03}°"));
     }
 }

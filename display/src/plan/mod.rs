@@ -2,7 +2,12 @@
 
 mod cells;
 mod draw;
+mod lettering;
+mod png;
+mod raster;
 mod scale;
+mod sheet;
+mod style;
 mod svg;
 
 use std::path::{Path, PathBuf};
@@ -16,7 +21,11 @@ use common::units::NS_PER_S;
 use crate::picture::Picture;
 use crate::view::{Deck, Tape, sites_and_extent};
 use cells::Cells;
-use draw::{Plan, Trails};
+use draw::{Plan, SIZE, Trails};
+use raster::Raster;
+use sheet::Sheet;
+use style::{DAY, NIGHT, Theme};
+use svg::Svg;
 
 /// What is drawn.
 #[derive(Debug, Clone)]
@@ -31,11 +40,13 @@ pub struct Request {
     pub night: bool,
 }
 
-/// Draws recordings of one run, one for each site, as SVG.
+/// Draws recordings of one run, one for each site, as SVG or PNG by the name of `out`.
 ///
 /// # Errors
 /// A file cannot be read, is not a recording or is of another run; the time lies outside of it; `out` cannot be written.
 pub fn draw(files: &[PathBuf], request: &Request, out: &Path) -> anyhow::Result<()> {
+    let theme = if request.night { NIGHT } else { DAY };
+    let form = Form::of(out)?;
     let tapes = files.iter().map(|file| Tape::open(file)).collect::<anyhow::Result<Vec<_>>>()?;
     let (sites, (from_ns, to_ns)) = sites_and_extent(&tapes)?;
     let length_s = (to_ns - from_ns) as f64 / NS_PER_S;
@@ -43,10 +54,6 @@ pub fn draw(files: &[PathBuf], request: &Request, out: &Path) -> anyhow::Result<
     // A run of thirty scans of 1 s is a dwell short of 30 s.
     if !(0.0..=length_s.ceil()).contains(&at_s) {
         return Err(BadInput(format!("--at {at_s} is outside of the recording: expected 0 to {length_s:.1} s")).into());
-    }
-    if !out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg")) {
-        let text = format!("--out {}: a plan is drawn as SVG, expected a name that ends in .svg", out.display());
-        return Err(BadInput(text).into());
     }
     let at_ns = (from_ns + (at_s * NS_PER_S) as u64).min(to_ns);
     let (picture, trails, cells) = picture_at(&sites, &tapes, at_ns, request.trail_s);
@@ -59,9 +66,39 @@ pub fn draw(files: &[PathBuf], request: &Request, out: &Path) -> anyhow::Result<
         cells: &cells,
         title: &title,
         range_m: request.range_m,
-        night: request.night,
+        theme,
     };
-    std::fs::write(out, plan.draw()).with_context(|| format!("writing {}", out.display()))
+    let mut sheet = form.sheet(&title, &theme);
+    plan.draw(sheet.as_mut());
+    std::fs::write(out, sheet.finish()).with_context(|| format!("writing {}", out.display()))
+}
+
+/// The forms of a drawing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    Svg,
+    Png,
+}
+
+impl Form {
+    /// By the name of a file.
+    fn of(out: &Path) -> Result<Self, BadInput> {
+        let ending = out.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        match ending.as_deref() {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => Ok(Self::Png),
+            _ => Err(BadInput(format!("--out {}: expected a name that ends in .svg or .png", out.display()))),
+        }
+    }
+
+    /// An empty sheet.
+    fn sheet(self, title: &str, theme: &Theme) -> Box<dyn Sheet> {
+        let [width, height] = SIZE;
+        match self {
+            Self::Svg => Box::new(Svg::new(width, height, title, theme)),
+            Self::Png => Box::new(Raster::new(width, height, theme)),
+        }
+    }
 }
 
 /// The picture at a time, the ways of its tracks, and the cells of each site that has recorded them.

@@ -46,6 +46,8 @@ pub(super) struct State {
     greeted: bool,
     /// It was too slow, and gets nothing before it begins anew.
     behind: bool,
+    /// It is given what has led to the picture, which has no bound.
+    led: bool,
 }
 
 /// What a viewer is to be sent next.
@@ -88,7 +90,7 @@ impl State {
     pub(super) fn push(&mut self, message: Message) -> u64 {
         let (messages, bytes) = self.picture;
         let full = self.queue.len() >= MOST_MESSAGES + messages || self.bytes + length(&message) > MOST_BYTES + bytes;
-        if !self.behind && !full {
+        if !self.behind && (self.led || !full) {
             self.push_always(message);
             return 0;
         }
@@ -110,6 +112,12 @@ impl State {
     /// What waits is the whole picture.
     pub(super) fn has_picture(&mut self) {
         self.picture = (self.queue.len(), self.bytes);
+    }
+
+    /// What waits is on its way to the whole picture, or is it.
+    pub(super) fn is_led(&mut self, led: bool) {
+        self.led = led;
+        self.has_picture();
     }
 
     /// Adds the video of a sector, in the place of an earlier one that still waits; whether one was dropped.

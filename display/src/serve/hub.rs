@@ -172,6 +172,14 @@ impl Hub {
         });
     }
 
+    /// From now on every viewer gets all that is sent, or again no more than it takes.
+    pub(super) fn each_is_led(&self, led: bool) {
+        self.each(|state| {
+            state.is_led(led);
+            false
+        });
+    }
+
     /// Gives every viewer the picture anew, which `write` puts into its queue.
     pub(super) fn begin_anew(&self, write: impl Fn(&mut State)) {
         self.each(|state| {

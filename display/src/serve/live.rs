@@ -156,7 +156,7 @@ impl Viewer {
             Following::None => Some(None),
             Following::AsBefore => None,
         };
-        self.client.with(|state| {
+        let wants_more = self.client.with(|state| {
             // In another encoding, everything is new.
             let recoded = request.encoding.is_some_and(|encoding| encoding != state.encoding);
             let before = if recoded { Want::default() } else { state.want };
@@ -164,26 +164,34 @@ impl Viewer {
             state.want = request.want.unwrap_or(state.want);
             Served::show(&picture, state, &before);
             state.follow = follow.unwrap_or(state.follow);
+            state.want.tracks && !before.tracks || state.want.video.is_some() && state.want.video != before.video
         });
         if let Some(Some((site, id))) = follow {
             let site = &picture.sites[site];
             if let Some(of) = site.tracks.get(&id) {
-                self.tell(explained(site, &of.track));
+                self.tell(explained(site, &of.track, &of.way));
             }
         }
         drop(picture);
-        request.playback().try_for_each(|wanted| self.play(wanted))
+        let mut wanted = request.playback().peekable();
+        if let Some((_, player)) = &self.served.recording
+            && wants_more
+            && wanted.peek().is_none()
+        {
+            player(Playback::Again);
+        }
+        wanted.try_for_each(|wanted| self.play(wanted))
     }
 
     fn play(&self, wanted: Playback) -> Result<(), String> {
         let (_, player) =
             self.served.recording.as_ref().ok_or("this is a running chain, which cannot be moved in time")?;
-        let is_number = match wanted {
-            Playback::Play(number) | Playback::Seek(number) => number.is_finite(),
-            Playback::Pause | Playback::Step(..) => true,
-        };
-        if is_number {
-            player(wanted);
+        match wanted {
+            Playback::Play(rate) if !rate.is_finite() || rate <= 0.0 => {
+                return Err(format!("play is {rate}, expected times recorded time, more than 0"));
+            }
+            Playback::Seek(time_s) if !time_s.is_finite() => return Err("seek is no time".into()),
+            wanted => player(wanted),
         }
         Ok(())
     }

@@ -22,6 +22,7 @@ use std::time::{Duration, Instant};
 use axum::extract::ws::Message;
 use common::clutter_map::ClutterMapHeader;
 use common::config::Sites;
+use common::message::Stamps;
 use common::messages::RecordedRef;
 use common::status;
 use common::time::monotonic_ns;
@@ -156,7 +157,8 @@ impl Served {
                 self.hub.publish(Kind::Tracks, |as_| tracks_message(as_, of_site, header, all(), taken_ns));
                 if self.hub.follows(site) {
                     let find = |id: u64| all().find(|track| track.id == id);
-                    self.hub.publish_followed(site, |id| Some(explained(of_site, find(id)?)));
+                    let way = (header.stamps, taken_ns);
+                    self.hub.publish_followed(site, |id| Some(explained(of_site, find(id)?, &way)));
                 }
             }
             RecordedRef::Truth(header, targets) => {
@@ -207,6 +209,15 @@ impl Served {
         self.hub.begin_anew(|state| Self::show_all(&picture, state));
     }
 
+    /// As [`Served::replace`], with what has led to the present picture: `lead` hands it over, message by message. However much
+    /// that is, viewers get it.
+    pub fn replace_with(&self, other: Picture, lead: impl FnOnce()) {
+        self.replace(other);
+        self.hub.each_is_led(true);
+        lead();
+        self.hub.each_is_led(false);
+    }
+
     /// Gives a viewer that has just come what everybody is told first. The picture is locked before a viewer, everywhere.
     fn greet(&self, client: &Client) {
         let picture = self.picture();
@@ -221,6 +232,11 @@ impl Served {
         state.push_always(Message::Text(r#"{"type":"reset"}"#.into()));
         Self::tell_operators(picture, state);
         Self::show(picture, state, &Want::default());
+        if let Some((site, id)) = state.follow
+            && let Some(of) = picture.sites[site].tracks.get(&id)
+        {
+            state.push_always(Message::Text(explained(&picture.sites[site], &of.track, &of.way).into()));
+        }
         state.has_picture();
     }
 
@@ -244,10 +260,12 @@ impl Served {
             }
             if want.tracks
                 && !before.tracks
-                && let Some((header, taken_ns)) = &site.tracks_header
+                && let Some(header) = &site.tracks_header
             {
+                // They came one by one, before it asked: no way to a screen begins here.
+                let header = TracksHeader { stamps: Stamps::default(), ..*header };
                 let tracks = site.tracks.values().map(|of| &of.track);
-                state.push_always(tracks_message(encoding, site, header, tracks, *taken_ns));
+                state.push_always(tracks_message(encoding, site, &header, tracks, 0));
             }
             if want.truth
                 && !before.truth
@@ -302,8 +320,8 @@ fn health_text(picture: &Picture) -> String {
 }
 
 /// A track, explained now.
-fn explained(site: &SitePicture, track: &Track) -> String {
-    text(&TrackMessage::new(site, track, monotonic_ns()))
+fn explained(site: &SitePicture, track: &Track, way: &(Stamps, u64)) -> String {
+    text(&TrackMessage::new(site, track, way, monotonic_ns()))
 }
 
 fn tracks_message<'a>(

@@ -151,7 +151,7 @@ async fn track(State(served): Shared, Path((site, id)): Path<(String, String)>) 
     let mut found = None;
     let refused = of_site(&served, &site, |site| {
         let track = id.parse().ok().and_then(|id: u64| site.tracks.get(&id));
-        found = track.map(|of| explained(site, &of.track));
+        found = track.map(|of| explained(site, &of.track, &of.way));
     });
     let missing = || failure(StatusCode::NOT_FOUND, &format!("there is no living track `{id}` at `{site}`"));
     refused.unwrap_or_else(|| found.map_or_else(missing, as_json))

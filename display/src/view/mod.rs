@@ -33,17 +33,19 @@ pub(crate) use tape::Tape;
 const SLEEP: Duration = Duration::from_millis(50);
 
 /// Serves the picture of the recordings of one run, one for each site, with their later parts, until it is asked to stop.
-/// `listen` is where, in the place of what the recorded configuration says.
+/// `listen` is where and to whom, an address and a file with a token, in the place of what the recorded configuration says.
 ///
 /// # Errors
-/// A file cannot be read, is not a recording, or is of another run; the address cannot be used.
-pub fn run(files: &[PathBuf], listen: Option<&str>) -> anyhow::Result<ExitCode> {
+/// A file cannot be read, is not a recording, or is of another run; the address cannot be used, or anybody could look without a
+/// token.
+pub fn run(files: &[PathBuf], listen: Option<(&str, &str)>) -> anyhow::Result<ExitCode> {
     let tapes = files.iter().map(|file| Tape::open(file)).collect::<anyhow::Result<Vec<_>>>()?;
     let (mut sites, (from_ns, to_ns)) = sites_and_extent(&tapes)?;
-    if let Some(listen) = listen {
-        sites.change(|site| site.display.listen = listen.to_string());
+    if let Some((address, token_file)) = listen {
+        sites.change(|site| (site.display.listen, site.display.token_file) = (address.into(), token_file.into()));
     }
     let chain = sites.first();
+    chain.display.check().map_err(|error| BadInput(error.to_string()))?;
     let listener = bind(chain.display.address())?;
     let address = listener.local_addr()?;
     let (from_s, to_s) = (from_ns as f64 / NS_PER_S, to_ns as f64 / NS_PER_S);

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use common::config::Sites;
 use common::message::END_OF_SCAN;
 use common::recording::Recorded;
+use common::topic::Topic;
 use common::units::NS_PER_S;
 use serde::Serialize;
 
@@ -26,6 +27,8 @@ const WORD: Duration = Duration::from_millis(100);
 const WORD_AT_REST: Duration = Duration::from_secs(1);
 /// Scans before a time from which the picture at that time is made: tracks are updated once a scan.
 const SCANS_BEFORE: f64 = 3.0;
+/// Scans before a time from which tracks are shown, so that they have a trail; fewer where cells would have to be read for it.
+const SCANS_OF_TRAILS: f64 = 12.0;
 /// A step never goes farther than so many scans: there may be nothing left to step to.
 const SCANS_OF_A_STEP: f64 = 1000.0;
 /// Bounds of the speed, times recorded time.
@@ -128,6 +131,9 @@ impl Player {
                 self.since = Some((Instant::now(), self.at_ns));
             }
             Order::Viewer(Playback::Pause) => self.since = None,
+            // What plays shows itself.
+            Order::Viewer(Playback::Again) if self.since.is_none() => self.seek(self.at_ns),
+            Order::Viewer(Playback::Again) => {}
             Order::Viewer(Playback::Seek(time_s)) => self.seek((time_s.max(0.0) * NS_PER_S) as u64),
             Order::Viewer(Playback::Step(step, by)) => {
                 self.since = None;
@@ -144,13 +150,18 @@ impl Player {
         self.sites.all().iter().map(common::config::ChainConfig::scan_period_s).fold(0.0, f64::max)
     }
 
-    /// The picture at a time, from the scans before it.
+    /// The picture at a time, from the scans before it: tracks with their trails, plots, and the video of the last scan.
     fn seek(&mut self, time_ns: u64) {
         let time_ns = time_ns.clamp(self.extent_ns.0, self.extent_ns.1);
-        let before_ns = (SCANS_BEFORE * self.period_s() * NS_PER_S) as u64;
-        let from_ns = time_ns.saturating_sub(before_ns);
+        let has_cells = self.sites.all().iter().any(|site| site.recorder.dwells);
+        let before_ns = |scans: f64| time_ns.saturating_sub((scans * self.period_s() * NS_PER_S) as u64);
+        let (whole_ns, video_ns) = (before_ns(SCANS_BEFORE), before_ns(1.0));
+        let from_ns = if has_cells { whole_ns } else { before_ns(SCANS_OF_TRAILS) };
         self.deck = Deck::from(&self.tapes, from_ns);
         let mut picture = Picture::new(&self.sites);
+        for (site, before) in picture.sites.iter_mut().zip(&self.served.picture().sites) {
+            site.models.clone_from(&before.models); // known once, whatever the time
+        }
         if let Some(events) = &self.events {
             picture.events = events.clone();
         }
@@ -158,15 +169,23 @@ impl Player {
         for (site, action) in self.actions.iter().filter(|(_, action)| action.by_ref().time_ns() < from_ns) {
             picture.take(*site, action.by_ref(), 0);
         }
-        while let Some((site, message)) = self.deck.next_until(time_ns) {
-            // A chunk begins before the time that it was chosen for.
-            if message.by_ref().time_ns() >= from_ns || !message.by_ref().topic().is_data() {
-                picture.take(site, message.by_ref(), 0);
-            }
-        }
         self.at_ns = time_ns;
         self.video.fill_with(Gatherer::default);
-        self.served.replace(picture);
+        let served = Arc::clone(&self.served);
+        served.replace_with(picture, || {
+            while let Some((site, message)) = self.deck.next_until(time_ns) {
+                // A chunk begins before the time that it was chosen for.
+                let least_ns = match message.by_ref().topic() {
+                    Topic::Dwells => video_ns,
+                    Topic::Tracks => from_ns,
+                    topic if topic.is_data() => whole_ns,
+                    _ => 0,
+                };
+                if message.by_ref().time_ns() >= least_ns {
+                    self.show(site, &message);
+                }
+            }
+        });
     }
 
     fn play_to(&mut self, time_ns: u64) {

@@ -36,7 +36,7 @@ impl Tape {
             ))
             .into());
         };
-        let site = config::parse(file, &text, &[])?;
+        let site = config::parse_recorded(file, &text)?;
         let mut parts = Vec::new();
         for part in parts_from(file) {
             let index = File::open(&part).and_then(|mut file| Index::of(&mut file)).map_err(unreadable)?;

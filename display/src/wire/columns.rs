@@ -21,6 +21,8 @@ pub struct Column<R> {
 pub enum Value<R> {
     /// Eight bytes, floating point; NaN for what is not known.
     F64(fn(&R) -> f64),
+    /// Eight bytes, floating point, which is all that a browser has for large whole numbers; whole in JSON.
+    Whole(fn(&R) -> u64),
     /// Four bytes, floating point; NaN for what is not known.
     F32(fn(&R) -> f32),
     /// Four bytes, whole numbers.
@@ -33,6 +35,11 @@ impl<R> Column<R> {
     /// A column of eight-byte floating-point numbers.
     pub const fn f64(name: &'static str, value: fn(&R) -> f64) -> Self {
         Self { name, value: Value::F64(value) }
+    }
+
+    /// A column of whole numbers in eight-byte floating-point numbers.
+    pub const fn whole(name: &'static str, value: fn(&R) -> u64) -> Self {
+        Self { name, value: Value::Whole(value) }
     }
 
     /// A column of four-byte floating-point numbers.
@@ -53,16 +60,22 @@ impl<R> Column<R> {
     /// Name of the type in headers.
     pub const fn kind(&self) -> &'static str {
         match self.value {
-            Value::F64(_) => "f64",
+            Value::F64(_) | Value::Whole(_) => "f64",
             Value::F32(_) => "f32",
             Value::U32(_) => "u32",
             Value::U8(_) => "u8",
         }
     }
 
+    /// Whether its values are whole numbers, from zero up, in JSON.
+    pub const fn is_whole(&self) -> bool {
+        matches!(self.value, Value::Whole(_) | Value::U32(_) | Value::U8(_))
+    }
+
     fn write(&self, rows: &[R], out: &mut Vec<u8>) {
         match self.value {
             Value::F64(value) => rows.iter().for_each(|row| out.extend_from_slice(&value(row).to_le_bytes())),
+            Value::Whole(value) => rows.iter().for_each(|row| out.extend((value(row) as f64).to_le_bytes())),
             Value::F32(value) => rows.iter().for_each(|row| out.extend_from_slice(&value(row).to_le_bytes())),
             Value::U32(value) => rows.iter().for_each(|row| out.extend_from_slice(&value(row).to_le_bytes())),
             Value::U8(value) => out.extend(rows.iter().map(value)),
@@ -127,6 +140,7 @@ impl<R> Serialize for Object<'_, R> {
             // JSON has no NaN: what is not known is null.
             match column.value {
                 Value::F64(value) => object.serialize_entry(column.name, &value(self.row))?,
+                Value::Whole(value) => object.serialize_entry(column.name, &value(self.row))?,
                 Value::F32(value) => object.serialize_entry(column.name, &value(self.row))?,
                 Value::U32(value) => object.serialize_entry(column.name, &value(self.row))?,
                 Value::U8(value) => object.serialize_entry(column.name, &value(self.row))?,
@@ -206,6 +220,17 @@ mod tests {
         assert_eq!(frame.len(), start + 16 + 24 + 8 + 16);
         assert_eq!(frame[start + 16..start + 32], [3.0_f64.to_le_bytes(), (-4.0_f64).to_le_bytes()].concat());
         assert_eq!(frame[start + 40..start + 48], [7, 8, 9, 0, 0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn numbers_of_tracks_are_whole_in_json() {
+        let columns = [Column::whole("id", |row: &(u32, f32)| u64::from(row.0) << 20)];
+        assert_eq!(
+            json(&Head { r#type: "tracks" }, &columns, &[(3, 0.0)]),
+            r#"{"type":"tracks","items":[{"id":3145728}]}"#
+        );
+        let frame = binary(&Head { r#type: "tracks" }, &columns, &[(3, 0.0)]);
+        assert!(frame.ends_with(&3_145_728.0_f64.to_le_bytes()));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! A track explains itself: its state with errors, its models, gates and plots, and the way of its last update.
 
 use common::geometry::Polar;
+use common::message::Stamps;
 use common::tracks::{
     COASTING, CONFIRMED, GATE_MOST_PROBABLE, GATE_UNION, GATE_WIDEST, GATE_WIDEST_FALLBACK, STATE, TENTATIVE, Track,
     pack,
@@ -24,6 +25,8 @@ pub struct TrackMessage {
     r#type: &'static str,
     site: String,
     id: u64,
+    /// What operators call it.
+    label: Option<String>,
     /// Measurement time of the state, s UTC.
     time_s: f64,
     /// Components that the filter knows, in the axes of the picture: `x`, `vx`, `ax` and so on; m, m/s, m/s².
@@ -100,8 +103,9 @@ struct Used {
 }
 
 impl TrackMessage {
-    /// A track of a site; `display_out_ns` is CLOCK_MONOTONIC now.
-    pub fn new(site: &SitePicture, track: &Track, display_out_ns: u64) -> Self {
+    /// A track of a site; `way` is where the message of its last update has been and when it came, `display_out_ns` CLOCK_MONOTONIC
+    /// now.
+    pub fn new(site: &SitePicture, track: &Track, way: &(Stamps, u64), display_out_ns: u64) -> Self {
         let (state, sigma) = state_of(site, track);
         let models = (0..usize::from(track.models).min(track.model_probability.len())).map(|index| Model {
             name: site.models.get(index).cloned().unwrap_or_default(),
@@ -114,12 +118,14 @@ impl TrackMessage {
             let (seq, index, weight, gates) = (used.seq, used.index, used.weight, used.gates);
             Used { seq, index, weight, gates, x_m: axis(0), y_m: axis(1), z_m: axis(2) }
         });
-        let stamps =
-            site.tracks_header.map(|(header, taken_ns)| StampsUs::new(&header.stamps, taken_ns, display_out_ns));
+        // A recording is read at no time of this clock.
+        let (stamps, taken_ns) = way;
+        let way = StampsUs::new(stamps, *taken_ns, if *taken_ns == 0 { 0 } else { display_out_ns });
         Self {
             r#type: "track",
             site: site.name.clone(),
             id: track.id,
+            label: site.operated.labels.get(&track.id).cloned(),
             time_s: track.time_ns as f64 / NS_PER_S,
             state,
             sigma,
@@ -138,7 +144,7 @@ impl TrackMessage {
             },
             used: used.collect(),
             weight_none: track.weight_none,
-            latency_us: stamps.iter().flat_map(StampsUs::hops).map(|(hop, us)| (hop, us.into())).collect(),
+            latency_us: way.hops().map(|(hop, us)| (hop, us.into())).collect(),
         }
     }
 }
@@ -240,7 +246,8 @@ mod tests {
         track.used[1] = UsedPlot { seq: 4, index: 9, weight: 0.1, gates: 1, reserved: 0 };
         picture.take(0, RecordedRef::Tracks(&TracksHeader::default(), &[track]), 0);
         let (_, site) = picture.site("site1").expect("the site");
-        let told = serde_json::to_value(TrackMessage::new(site, &site.tracks[&3].track, 0)).expect("JSON");
+        let of = &site.tracks[&3];
+        let told = serde_json::to_value(TrackMessage::new(site, &of.track, &of.way, 0)).expect("JSON");
         assert_eq!(
             (told["state_name"].as_str(), told["models"][0]["name"].as_str()),
             (Some("confirmed"), Some("constant_velocity"))
@@ -257,5 +264,21 @@ mod tests {
             (half - 0.035).abs() < 1e-12
                 && (region("azimuth_to_rad") - region("azimuth_from_rad") - 2.0 * half).abs() < 1e-12
         );
+    }
+    /// The way of its own last update, whatever has come since of others.
+    #[test]
+    fn a_track_tells_its_own_latency() {
+        let mut picture = Picture::new(&Sites::one(ChainConfig::default()));
+        for (id, source_out_ns) in [(3, 1_000_000), (4, 5_000_000)] {
+            let stamps = Stamps { source_out_ns, tracks_out_ns: source_out_ns + 1_000 * id, ..Stamps::default() };
+            let header = TracksHeader { stamps, ..TracksHeader::default() };
+            let track = Track { id, state_code: CONFIRMED, ..Track::EMPTY };
+            picture.take(0, RecordedRef::Tracks(&header, &[track]), source_out_ns + 9_000);
+        }
+        let (_, site) = picture.site("site1").expect("the site");
+        let of = &site.tracks[&3];
+        let told = serde_json::to_value(TrackMessage::new(site, &of.track, &of.way, 1_020_000)).expect("JSON");
+        let hops = serde_json::json!({"source_out→tracks_out": 3.0, "tracks_out→display_in": 6.0, "display_in→display_out": 11.0});
+        assert_eq!(told["latency_us"], hops);
     }
 }

@@ -115,6 +115,8 @@ pub enum Playback {
     Seek(f64),
     /// Go on by so many steps.
     Step(Step, i32),
+    /// Show the present time again, as it comes with what has led to it: somebody wants more of it.
+    Again,
 }
 
 impl Request {

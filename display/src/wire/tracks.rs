@@ -131,7 +131,7 @@ fn most_probable(track: &Track) -> u8 {
 /// Columns of tracks. `state`: 0 tentative, 1 confirmed, 2 coasting, 3 ended; `model` counts the names in `hello`; `gate` is
 /// 1 where the gate of a manoeuvre was searched.
 pub const TRACKS: [Column<TrackRow>; 21] = [
-    Column::f64("id", |row| row.id as f64),
+    Column::whole("id", |row| row.id),
     Column::f64("time_s", |row| row.time_ns as f64 / NS_PER_S),
     Column::f32("x_m", |row| row.position_m[0]),
     Column::f32("y_m", |row| row.position_m[1]),

@@ -82,7 +82,7 @@ impl SystemRow {
 
 /// Columns of system tracks; `sites` is how many local tracks one is made of.
 pub const SYSTEM_TRACKS: [Column<SystemRow>; 15] = [
-    Column::f64("id", |row| row.track.id as f64),
+    Column::whole("id", |row| row.track.id),
     Column::f64("time_s", |row| row.track.time_ns as f64 / NS_PER_S),
     Column::f32("x_m", |row| row.position_m[0] as f32),
     Column::f32("y_m", |row| row.position_m[1] as f32),

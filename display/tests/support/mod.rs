@@ -132,7 +132,7 @@ impl Live {
     }
 
     /// What the first message has for which `is` has something.
-    pub(crate) fn find<T>(&mut self, what: &str, is: impl Fn(&Value) -> Option<T>) -> T {
+    pub(crate) fn find<T>(&mut self, what: &str, mut is: impl FnMut(&Value) -> Option<T>) -> T {
         let began = Instant::now();
         while began.elapsed() < PATIENCE {
             let header = match self.next().unwrap_or_else(|| panic!("the connection has ended before `{what}`")) {

@@ -16,7 +16,7 @@ use common::recording::row::{Table, Value};
 pub(super) fn configuration(description: Option<&Description>) -> Result<ChainConfig, RecordingError> {
     let refuse = |reason: String| RecordingError::Io(io::Error::other(reason));
     let text = &description.ok_or_else(|| refuse("the file holds no configuration".into()))?.config;
-    config::parse(Path::new("recorded configuration"), text, &[]).map_err(|error| refuse(error.to_string()))
+    config::parse_recorded(Path::new("recorded configuration"), text).map_err(|error| refuse(error.to_string()))
 }
 
 /// Columns of places, for tables of a recording whose radar has one.
