@@ -79,7 +79,7 @@ fn an_observer_of_each_topic_that_stands_still_costs_nothing_and_its_loss_is_exa
 #[test]
 fn a_stopped_process_is_named_with_its_loss() {
     let bench = Bench::new();
-    let running = bench.start(&["--scans", "400", "--speed", "25"]);
+    let running = bench.start(&["--scans", "1600", "--speed", "25"]);
     bench.wait_for("scans", |status| support::scan(status).filter(|&scan| scan >= 2));
     let program = std::path::Path::new(env!("CARGO_BIN_EXE_radar-chain")).with_file_name("examples/observer");
     let mut observer = Command::new(program)

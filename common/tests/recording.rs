@@ -85,10 +85,15 @@ fn messages_of_another_version_are_refused_by_name() {
         let schema = writer.add_schema(schema, "rust", b"").expect("memory");
         writer.add_channel(schema, topic, "bincode", &none).expect("memory")
     };
-    let ids = [channel("radar/here/plots", "plots/9"), channel("radar/here/tracks", "tracks/3")];
+    let ids = [
+        channel("radar/here/plots", "plots/9"),
+        channel("radar/here/tracks", "tracks/3"),
+        channel("radar/here/health", "health/3"),
+    ];
     let mut tracks = Vec::new();
     container::encode(Recorded::Tracks(TracksHeader::default(), Vec::new()).by_ref(), &mut tracks).expect("memory");
-    for (channel_id, payload) in [(ids[0], &tracks), (ids[0], &tracks), (ids[1], &tracks)] {
+    // Health of another version is left out: all else can be read without.
+    for (channel_id, payload) in [(ids[2], &tracks), (ids[0], &tracks), (ids[0], &tracks), (ids[1], &tracks)] {
         let header = mcap::records::MessageHeader { channel_id, sequence: 0, log_time: 0, publish_time: 0 };
         writer.write_to_known_channel(&header, payload).expect("memory");
     }

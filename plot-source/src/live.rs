@@ -539,7 +539,9 @@ impl LiveRadar {
             self.next = Some(self.first_sector(turn));
         }
         for unplaced in &kept {
-            if let Err(reason) = self.place(unplaced) {
+            if !self.antenna.is_locked() {
+                self.unplaced.push(*unplaced); // they have cast doubt on what was found
+            } else if let Err(reason) = self.place(unplaced) {
                 self.rejected.count(reason);
             }
         }

@@ -17,8 +17,10 @@ use common::units::NS_PER_S;
 use serde::Deserialize;
 use serde_json::Value;
 
+/// The column that makes a table one of plots.
+const RANGE: &str = "range_m";
 /// Names of the columns.
-const COLUMNS: [&str; 6] = ["time_s", "range_m", "azimuth_deg", "range_rate_mps", "height_m", "amplitude_db"];
+const COLUMNS: [&str; 6] = ["time_s", RANGE, "azimuth_deg", "range_rate_mps", "height_m", "amplitude_db"];
 
 /// Times below this are of the configured date, s.
 const TWO_DAYS_S: f64 = 2.0 * 86_400.0;
@@ -94,13 +96,19 @@ pub struct Unread {
 impl Table {
     /// The table that `bytes` are, if their header, or their first object, names a range.
     pub fn of(bytes: &[u8]) -> Option<Self> {
+        // A capture of gigabytes is not made a text to find that out.
+        let is_blank = |line: &&[u8]| line.iter().all(u8::is_ascii_whitespace) || line.starts_with(b"#");
+        let head = bytes.split(|octet| *octet == b'\n').find(|line| !is_blank(line))?;
+        if !head.windows(RANGE.len()).any(|window| window == RANGE.as_bytes()) {
+            return None;
+        }
         let text = String::from_utf8_lossy(bytes);
         let text = text.trim_start_matches('\u{feff}');
         let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
         let (_, first) = lines.clone().next()?;
         let mut table = Self::default();
         if first.starts_with('{') {
-            if !first.contains("\"range_m\"") {
+            if !first.contains(&format!("\"{RANGE}\"")) {
                 return None;
             }
             for (index, line) in lines {
@@ -115,7 +123,7 @@ impl Table {
             reader.trim(csv::Trim::All).flexible(true).comment(Some(b'#')).delimiter(delimiter);
             let mut reader = reader.from_reader(text.as_bytes());
             let names: Vec<String> = reader.headers().ok()?.iter().map(Into::into).collect();
-            if !names.iter().any(|name| name == "range_m") {
+            if !names.iter().any(|name| name == RANGE) {
                 return None;
             }
             table.ignored.extend(names.iter().filter(|name| !COLUMNS.contains(&name.as_str())).cloned());

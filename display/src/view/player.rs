@@ -96,7 +96,18 @@ impl Player {
         loop {
             let sleep = if self.since.is_some() { FRAME } else { WORD_AT_REST };
             match orders.recv_timeout(sleep) {
-                Ok(order) => {
+                Ok(mut order) => {
+                    // Of several pictures that are asked for at once, the last will do.
+                    while matches!(order, Order::Viewer(Playback::Again | Playback::Seek(_)))
+                        && let Ok(next) = orders.try_recv()
+                    {
+                        if !matches!(next, Order::Viewer(Playback::Again)) {
+                            if !matches!(next, Order::Viewer(Playback::Seek(_))) {
+                                self.obey(order);
+                            }
+                            order = next;
+                        }
+                    }
                     self.obey(order);
                     self.tell();
                 }

@@ -201,6 +201,11 @@ impl Chunk {
                             let (ours, found) = (schema(topic).0, schemas.get(&channel.schema_id));
                             let known = match found.filter(|found| *found != ours) {
                                 None => Channel::Messages(topic, name),
+                                // What the chain says of itself is of its own time: the data can be read without.
+                                Some(found) if !topic.is_data() => {
+                                    tracing::warn!("{name}: recorded as {found}, this version reads {ours}: left out");
+                                    Channel::Foreign(None)
+                                }
                                 Some(found) => {
                                     let says = format!("recorded as {found}, this version reads {ours}");
                                     Channel::Foreign(Some((name, says)))
