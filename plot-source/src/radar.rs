@@ -114,7 +114,10 @@ impl RadarRecording {
         recording.source = match own[..] {
             [source] => Some(source),
             [] if recording.contents.sources.is_empty() => None,
-            _ => return Err(WhichSource(recording.contents.sources_found())),
+            _ => {
+                let found = || WhichSource(recording.contents.sources_found());
+                Some(recording.contents.dominating(&own).ok_or_else(found)?)
+            }
         };
         let mut clock = clock_of(&all, config.midnight_ns());
         let mut habits = Habits::new(config.sigma_range_m, config.sigma_range_rate_mps);
