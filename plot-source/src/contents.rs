@@ -30,6 +30,9 @@ fn categories_read() -> String {
 /// Categories that are named one by one.
 const MOST_NAMED: usize = 8;
 
+/// Records of other sensors are strays where they are fewer than one in so many.
+const STRAY_SHARE: u64 = 20;
+
 /// Counts of all that a recording holds.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Contents {
@@ -95,6 +98,13 @@ impl Contents {
     pub fn sources_found(&self) -> String {
         let names: Vec<String> = self.sources.iter().map(|(id, count)| format!("{id} ({count} records)")).collect();
         names.join(", ")
+    }
+
+    /// The one of several sensors beside which the others have so few records that they may be of damaged bytes.
+    pub fn dominating(&self, own: &[SourceId]) -> Option<SourceId> {
+        let records = |source: &SourceId| self.sources.get(source).copied().unwrap_or(0);
+        let all: u64 = own.iter().map(records).sum();
+        own.iter().copied().find(|source| (all - records(source)) * STRAY_SHARE < all)
     }
 
     /// What the user should know of the file, one line each.

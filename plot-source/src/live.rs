@@ -31,7 +31,7 @@ use crate::radar::{Report, is_of, is_used};
 use crate::radar_clock::RadarClock;
 use crate::registration::Registration;
 use crate::repeats::Repeats;
-use crate::sectors::{SectorLayout, Sighting};
+use crate::sectors::{Coordinates, SectorLayout, Sighting};
 use crate::turning::{LEAST_STOPPED, Learnt, SEARCHED, SHORTEST_SEARCHED, learn};
 
 /// Turns in which the expected lateness of reports falls to 1/e.
@@ -124,9 +124,8 @@ pub struct LiveRadar {
     habits: Habits,
     level: AmplitudeLevel,
     repeats: Repeats,
-    /// Reports, and those of them with a range rate.
-    reports: u64,
-    with_range_rate: u64,
+    /// What its reports hold.
+    coordinates: Coordinates,
     sectors: i64,
     /// Number of the scan that is turn 0 of the antenna.
     scan_of_turn_0: i64,
@@ -167,8 +166,7 @@ impl LiveRadar {
             habits: Habits::new(plot_source.sigma_range_m, plot_source.sigma_range_rate_mps),
             level: AmplitudeLevel::new(plot_source.pfa),
             repeats: Repeats::default(),
-            reports: 0,
-            with_range_rate: 0,
+            coordinates: Coordinates::default(),
             sectors: i64::from(plot_source.sectors_per_scan),
             scan_of_turn_0: i64::from(config.run.first_scan),
             next: None,
@@ -334,8 +332,8 @@ impl LiveRadar {
     fn target(&mut self, report: &TargetReport, now_ns: u64) -> Result<(), Reject> {
         let time_ns = report.time_of_day.map(|time| self.clock.take(time, now_ns)).transpose()?;
         self.habits.learn(report, time_ns);
-        self.reports += 1;
-        self.with_range_rate += u64::from(report.radial_velocity_mps.is_some());
+        let has_height = report.height_m.or(report.pressure_height_m).is_some();
+        self.coordinates.count(report.radial_velocity_mps.is_some(), has_height);
         is_used(report, &self.config.plot_source, &self.habits)?;
         let (range_m, azimuth_rad) = report.polar.ok_or(Reject::NoPosition)?;
         if range_m <= 0.0 {
@@ -633,13 +631,7 @@ impl LiveRadar {
 
     fn layout(&self) -> SectorLayout {
         let source_id = self.source.map_or(self.config.site.source_id(), |source| source.number().into());
-        let has_range_rate = 2 * self.with_range_rate > self.reports;
-        SectorLayout::new(
-            source_id,
-            self.antenna.turning(),
-            &self.config.plot_source,
-            &self.config.site,
-            has_range_rate,
-        )
+        let turning = self.antenna.turning();
+        SectorLayout::new(source_id, turning, &self.config.plot_source, &self.config.site, self.coordinates)
     }
 }

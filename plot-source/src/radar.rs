@@ -16,7 +16,7 @@ use crate::habits::{Habits, RangeRates};
 use crate::repeats::Repeats;
 use crate::scan_lines::ScanLines;
 use crate::table::Table;
-use crate::turning::norths_after;
+use crate::turning::at_pace;
 
 /// One target report: all that a tracker may know of it.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
@@ -114,7 +114,10 @@ impl RadarRecording {
         recording.source = match own[..] {
             [source] => Some(source),
             [] if recording.contents.sources.is_empty() => None,
-            _ => return Err(WhichSource(recording.contents.sources_found())),
+            _ => {
+                let found = || WhichSource(recording.contents.sources_found());
+                Some(recording.contents.dominating(&own).ok_or_else(found)?)
+            }
         };
         let mut clock = clock_of(&all, config.midnight_ns());
         let mut habits = Habits::new(config.sigma_range_m, config.sigma_range_rate_mps);
@@ -138,13 +141,14 @@ impl RadarRecording {
         Ok(recording)
     }
 
-    /// The plots of a table, in the order of their times.
+    /// The plots of a table, in its order.
     pub fn of_table(table: &Table, midnight_ns: u64, azimuth_bias_rad: f64) -> Self {
-        let mut reports: Vec<Report> = table
+        let reports: Vec<Report> = table
             .rows
             .iter()
-            .map(|row| Report {
-                clock_ns: Some(row.time_ns(midnight_ns)),
+            .zip(table.times_ns(midnight_ns))
+            .map(|(row, time_ns)| Report {
+                clock_ns: Some(time_ns),
                 range_m: row.range_m,
                 azimuth_rad: angle::wrap(row.azimuth_deg.to_radians() - azimuth_bias_rad),
                 range_rate_mps: row.range_rate_mps,
@@ -154,7 +158,6 @@ impl RadarRecording {
                 address: 0,
             })
             .collect();
-        reports.sort_by_key(|report| report.clock_ns);
         let contents = Contents { records: reports.len() as u64, ..Contents::default() };
         Self { reports, contents, ..Self::default() }
     }
@@ -176,15 +179,7 @@ impl RadarRecording {
 
     /// North passages at the pace of the configured turn, for plots whose times and azimuths know of none.
     pub fn assume_turns(&mut self, turn_ns: i64) {
-        let times = self.reports.iter().enumerate().filter_map(|(index, report)| Some((index, report.clock_ns?)));
-        for (reports_before, clock_ns) in times {
-            let Some(north_ns) = self.cycles.last().map(|cycle| cycle.clock_ns) else {
-                self.cycles.push(Cycle { clock_ns, reports_before });
-                continue;
-            };
-            let norths = norths_after((clock_ns - north_ns) / turn_ns.max(1));
-            self.cycles.extend(norths.map(|turn| Cycle { clock_ns: north_ns + turn * turn_ns, reports_before }));
-        }
+        self.cycles = at_pace(&self.reports, turn_ns, 0);
     }
 
     fn take(&mut self, message: &Message, intake: &mut Intake<'_>) -> Result<(), Reject> {

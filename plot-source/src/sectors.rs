@@ -31,6 +31,37 @@ pub struct Sighting {
     pub statistic: Option<f32>,
 }
 
+/// What most reports of a radar hold besides range and azimuth: then plots have it, else none does, and scans are all of one kind.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub struct Coordinates {
+    reports: usize,
+    range_rates: usize,
+    heights: usize,
+}
+
+impl Coordinates {
+    /// Counts a report and what it holds.
+    pub fn count(&mut self, has_range_rate: bool, has_height: bool) {
+        self.reports += 1;
+        self.range_rates += usize::from(has_range_rate);
+        self.heights += usize::from(has_height);
+    }
+
+    fn are_in_most(self, reports: usize) -> bool {
+        2 * reports > self.reports
+    }
+}
+
+impl<'a> FromIterator<&'a Report> for Coordinates {
+    fn from_iter<I: IntoIterator<Item = &'a Report>>(reports: I) -> Self {
+        let mut this = Self::default();
+        for report in reports {
+            this.count(report.range_rate_mps.is_some(), report.height_m.is_some());
+        }
+        this
+    }
+}
+
 /// What all plots of a radar have in common.
 #[derive(Debug, Clone)]
 pub struct SectorLayout {
@@ -46,14 +77,18 @@ pub struct SectorLayout {
 }
 
 impl SectorLayout {
-    /// From the configuration of the radar, which calls itself `source_id` (SAC and SIC), turns so and may measure range rates.
+    /// From the configuration of the radar, which calls itself `source_id` (SAC and SIC), turns so and reports these coordinates.
     pub fn new(
         source_id: u32,
         turning: Turning,
         config: &PlotSourceConfig,
         site: &SiteConfig,
-        has_range_rate: bool,
+        coordinates: Coordinates,
     ) -> Self {
+        let has_range_rate = coordinates.are_in_most(coordinates.range_rates);
+        let sigma_height_m = if coordinates.are_in_most(coordinates.heights) { config.sigma_height_m } else { 0.0 };
+        // As wide as errors of heights are at the end of coverage, where they are least.
+        let sigma_elevation_rad = (sigma_height_m / config.coverage_range_m).min(WORST_ELEVATION_RAD);
         let plot = Plot {
             sigma_range_m: config.sigma_range_m as f32,
             sigma_azimuth_rad: config.sigma_azimuth_deg.to_radians() as f32,
@@ -65,6 +100,7 @@ impl SectorLayout {
             sectors_per_scan: config.sectors_per_scan,
             cell_range_m: config.cell_range_m,
             cell_azimuth_rad: config.cell_azimuth_deg.to_radians(),
+            cell_elevation_rad: 12.0_f64.sqrt() * sigma_elevation_rad,
             cell_range_rate_mps: if has_range_rate { config.cell_range_rate_mps } else { 0.0 },
             pfa: config.pfa,
             source_id,
@@ -76,7 +112,7 @@ impl SectorLayout {
             plot,
             header,
             sigma_range_rate_mps: if has_range_rate { config.sigma_range_rate_mps as f32 } else { 0.0 },
-            sigma_height_m: config.sigma_height_m,
+            sigma_height_m,
             uses_identity: config.use_identity,
             lag_ns: (config.registration.plot_lag_s * NS_PER_S).round() as i64,
             site_height_m: site.position.map_or(0.0, |position| position.height_m),
@@ -191,6 +227,8 @@ mod tests {
     use super::*;
     use common::config::ChainConfig;
 
+    const FULL: Coordinates = Coordinates { reports: 1, range_rates: 1, heights: 1 };
+
     fn sighting(azimuth_rad: f64) -> Sighting {
         let report = Report { range_m: 100.0, azimuth_rad, ..Report::default() };
         Sighting { time_ns: 7, report, statistic: None }
@@ -202,7 +240,7 @@ mod tests {
         let mut config = ChainConfig::default();
         config.plot_source.sigma_height_m = 50.0;
         config.plot_source.sigma_range_rate_mps = 2.0;
-        let layout = SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, true);
+        let layout = SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, FULL);
         assert_eq!(layout.plot(&sighting(1.0)).flags, 0);
         let (range_m, height_m) = (50_000.0, 6_000.0);
         let mut full = Sighting { statistic: Some(9.0), ..sighting(1.0) };
@@ -223,10 +261,10 @@ mod tests {
         assert!((f64::from(plot.sigma_elevation_rad) - 50.0 / range_m).abs() < 1e-5);
         assert_eq!(plot.target_id, 0, "who it is is not asked for");
         config.plot_source.use_identity = true;
-        let identified = SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, true).plot(&full);
+        let identified = SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, FULL).plot(&full);
         assert_eq!(identified, Plot { target_id: 0x4a_bc_de, ..plot });
         config.plot_source.registration.plot_lag_s = 5e-9;
-        let late = SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, true).plot(&full);
+        let late = SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, FULL).plot(&full);
         assert_eq!((identified.time_ns, late.time_ns), (7, 2));
         full.report.range_m = 100.0;
         assert!(!layout.plot(&full).has(HAS_ELEVATION), "a height above the slant range says no elevation");
@@ -235,7 +273,8 @@ mod tests {
     #[test]
     fn every_report_is_in_the_sector_of_its_azimuth_and_every_sector_is_there() {
         let config = ChainConfig::default();
-        let layout = SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, false);
+        let layout =
+            SectorLayout::new(7, Turning::Clockwise, &config.plot_source, &config.site, Coordinates::default());
         let messages = layout.messages(3, (1_000, 2_000), &[TAU - 1e-9, 0.3, 0.21].map(sighting));
         assert_eq!(messages.len(), 32);
         for (index, (header, plots)) in messages.iter().enumerate() {
@@ -253,7 +292,7 @@ mod tests {
     #[test]
     fn sectors_are_those_of_the_beam() {
         let config = ChainConfig::default();
-        let of = |turning| SectorLayout::new(7, turning, &config.plot_source, &config.site, false);
+        let of = |turning| SectorLayout::new(7, turning, &config.plot_source, &config.site, Coordinates::default());
         let messages = of(Turning::CounterClockwise).messages(3, (1_000, 2_000), &[TAU - 0.01, 0.01].map(sighting));
         let counts: Vec<usize> = messages.iter().map(|(_, plots)| plots.len()).collect();
         assert_eq!((counts[0], counts[31], counts.iter().sum::<usize>()), (1, 1, 2));

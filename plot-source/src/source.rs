@@ -175,9 +175,8 @@ impl Source {
         let available = rotations.scans() as u32;
         let scans = if config.run.scans == 0 { available } else { available.min(config.run.scans) };
         let source_id = recording.source.map_or(config.site.source_id(), |source| source.number().into());
-        let with_range_rate = recording.reports.iter().filter(|report| report.range_rate_mps.is_some()).count();
-        let has_range_rate = 2 * with_range_rate > recording.reports.len();
-        let layout = SectorLayout::new(source_id, turning, plot_source, &config.site, has_range_rate);
+        let coordinates = recording.reports.iter().collect();
+        let layout = SectorLayout::new(source_id, turning, plot_source, &config.site, coordinates);
         let rotations = turns.rotations;
         Ok(Self { layout, rotations, reports, truth, scans, next: 0, rejected, records, notes, is_sound })
     }

@@ -23,7 +23,8 @@ const RANGE: &str = "range_m";
 const COLUMNS: [&str; 6] = ["time_s", RANGE, "azimuth_deg", "range_rate_mps", "height_m", "amplitude_db"];
 
 /// Times below this are of the configured date, s.
-const TWO_DAYS_S: f64 = 2.0 * 86_400.0;
+const TWO_DAYS_S: f64 = 2.0 * DAY_S;
+const DAY_S: f64 = 86_400.0;
 /// Largest time that is possible, s since 1970: in 2065. Three times as many nanoseconds can be counted in 64 bits.
 const LAST_S: f64 = 3e9;
 /// Largest values of a plot that are possible: m, degrees, m/s, m above the sea, dB.
@@ -34,7 +35,7 @@ const LARGEST_HEIGHT_M: f64 = 1e8;
 const LARGEST_AMPLITUDE_DB: f64 = 300.0;
 
 /// A line of the table.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Deserialize)]
 pub struct Row {
     time_s: f64,
     /// Slant range, m.
@@ -53,12 +54,6 @@ pub struct Row {
 }
 
 impl Row {
-    /// The time, ns since 1970, where that may be since a midnight.
-    pub fn time_ns(&self, midnight_ns: u64) -> i64 {
-        let base_ns = if self.time_s < TWO_DAYS_S { midnight_ns as i64 } else { 0 };
-        base_ns + (self.time_s * NS_PER_S).round() as i64
-    }
-
     fn is_possible(&self) -> bool {
         let may_be = |value: Option<f64>, largest: f64| value.is_none_or(|value| value.abs() <= largest);
         (0.0..LAST_S).contains(&self.time_s)
@@ -135,6 +130,26 @@ impl Table {
         Some(table)
     }
 
+    /// Times of the rows, ns since 1970. Those of a day go on over midnight: one that lies more than half a day before the last is of
+    /// the next day, and then one that lies as far after it is of the day before.
+    pub fn times_ns(&self, midnight_ns: u64) -> impl Iterator<Item = i64> {
+        let (mut days, mut last_s) = (0.0, None);
+        self.rows.iter().map(move |row| {
+            if row.time_s >= TWO_DAYS_S {
+                return (row.time_s * NS_PER_S).round() as i64;
+            }
+            let passed_s = last_s.map_or(0.0, |last_s: f64| row.time_s + days * DAY_S - last_s);
+            if passed_s < -0.5 * DAY_S {
+                days += 1.0;
+            } else if passed_s > 0.5 * DAY_S && days > 0.0 {
+                days -= 1.0;
+            }
+            let time_s = row.time_s + days * DAY_S;
+            last_s = Some(time_s);
+            midnight_ns as i64 + (time_s * NS_PER_S).round() as i64
+        })
+    }
+
     /// Why it has no row.
     pub fn why_no_row(&self) -> String {
         let of_first = |unread: &Unread| format!("line {}: {}", unread.first, unread.why);
@@ -188,7 +203,19 @@ mod tests {
         assert_eq!((table.rows.len(), &table.unread), (2, &None));
         assert_eq!(Table::of(json), Some(table.clone()));
         assert_eq!((table.rows[0].range_rate_mps, table.rows[1].range_rate_mps), (Some(-3.5), None));
-        assert_eq!(table.rows[0].time_ns(1_000_000_000), 11_500_000_000);
+        assert_eq!(table.times_ns(1_000_000_000).collect::<Vec<_>>(), [11_500_000_000, 12_000_000_000]);
+    }
+
+    #[test]
+    fn times_of_a_day_go_on_over_midnight() {
+        let times_s = |times: &[f64]| -> Vec<i64> {
+            let rows = times.iter().map(|&time_s| Row { time_s, ..Row::default() }).collect();
+            Table { rows, ..Table::default() }.times_ns(0).map(|time_ns| time_ns / 1_000_000_000).collect()
+        };
+        assert_eq!(times_s(&[86_399.0, 1.0, 86_398.0, 2.0]), [86_399, 86_401, 86_398, 86_402]);
+        assert_eq!(times_s(&[86_399.0, 0.0, 40_000.0, 80_000.0, 3.0]), [86_399, 86_400, 126_400, 166_400, 172_803]);
+        assert_eq!(times_s(&[5.0, 80_000.0, 90_000.0, 89_000.0]), [5, 80_000, 90_000, 89_000], "seconds that go on");
+        assert_eq!(times_s(&[1.7e9, 1.7e9 - 90_000.0]), [1_700_000_000, 1_699_910_000], "a clock that is set back");
     }
 
     #[test]

@@ -10,10 +10,14 @@
 //! from a quarter to 16 times, if two thirds of the reports' time hold a turn; from there on a loop of second order follows t₀ and T
 //! report by report.
 //!
+//! Reports that no longer fit, but agree on another passage of north, are of a clock that was set: from the first of them on that
+//! passage is followed. What a step of the clock or a pause is, [`crate::rotation`] tells.
+//!
 //! Where neither way fits, the antenna stands if its reports come in a rhythm, whatever their azimuth: β is that of the middle
 //! of a period, and T the longest on which the directions agree. It stands as well if all reports are of about one azimuth: it
 //! was stopped.
 
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
@@ -52,6 +56,10 @@ const PHASE_GAIN: f64 = 0.1;
 const TURN_GAIN: f64 = 0.005;
 /// A report farther from the beam, as a share of a turn, is of another clock or azimuth: not followed.
 const FARTHEST: f64 = 0.2;
+/// So many reports that fit another passage of north, but not the followed one, tell that the clock was set; the last so many are
+/// looked at.
+const FEWEST_LOST: usize = 8;
+const MOST_LOST: usize = 32;
 
 /// What reports tell of an antenna.
 #[derive(Debug, Clone, PartialEq)]
@@ -127,6 +135,8 @@ fn sample(reports: &[Report], enough: usize, [least_ns, most_ns]: [f64; 2]) -> V
         }
         if passed_ns < most_ns {
             seen.push((time_ns, azimuth_rad));
+        } else if seen.len() >= FEWEST_DOUBTED {
+            break; // a clock that is set back later would come here again
         }
     }
     // Every third, say, would be the same two of six targets again and again.
@@ -150,17 +160,34 @@ fn follow(reports: &[Report], points: &[(f64, f64)], turning: Turning, roughly_n
     let (mut north_ns, mut turn_ns) = refine(points, first_ns, roughly_ns);
     north_ns -= turn_ns * ((north_ns - first_ns) / turn_ns).ceil(); // at the first report or before
     let mut norths = vec![Cycle { clock_ns: north_ns as i64, reports_before: 0 }];
-    let timed = reports.iter().enumerate().filter_map(|(index, report)| Some((index, report.clock_ns? as f64, report)));
-    for (index, time_ns, report) in timed {
-        let ahead_ns = time_ns - beam(turning, report.azimuth_rad) * turn_ns - north_ns;
+    let timed: Vec<Timed> = reports.iter().enumerate().filter_map(|report| Timed::of(report, turning)).collect();
+    let mut lost = Lost::default();
+    let (mut next, mut may_step_from) = (0, 0);
+    while let Some(report) = timed.get(next) {
+        next += 1;
+        let ahead_ns = report.time_ns - report.turned * turn_ns - north_ns;
         let turns = (ahead_ns / turn_ns).round();
         let residual_ns = ahead_ns - turns * turn_ns;
-        if residual_ns.abs() > FARTHEST * turn_ns {
+        // A report may be of the turn before, but not of one before that.
+        if residual_ns.abs() > FARTHEST * turn_ns || turns < -1.0 {
+            lost.take(next - 1, *report, norths.len());
+            if next > may_step_from && lost.agree(turn_ns) {
+                may_step_from = next;
+                next = lost.begin().map_or(next, |begin| begin.place);
+                norths.truncate(lost.begin().map_or(norths.len(), |begin| begin.norths));
+                north_ns = lost.north_ns(turn_ns);
+                let is_of_next_turn = next > 0 && timed[next - 1].turned > timed[next].turned + FARTHEST;
+                if is_of_next_turn {
+                    norths.push(Cycle { clock_ns: north_ns as i64, reports_before: timed[next].index });
+                }
+                lost = Lost::default();
+            }
             continue;
         }
+        lost.miss();
         for turn in norths_after(turns as i64) {
             let clock_ns = (north_ns + turn as f64 * turn_ns) as i64;
-            norths.push(Cycle { clock_ns, reports_before: index });
+            norths.push(Cycle { clock_ns, reports_before: report.index });
         }
         if turns >= 0.0 {
             north_ns += turns * turn_ns + PHASE_GAIN * residual_ns;
@@ -170,20 +197,97 @@ fn follow(reports: &[Report], points: &[(f64, f64)], turning: Turning, roughly_n
     Learnt { turning, norths }
 }
 
+/// A report with a time: its number, time, ns, and beam angle as a share of a turn.
+#[derive(Debug, Clone, Copy)]
+struct Timed {
+    index: usize,
+    time_ns: f64,
+    turned: f64,
+}
+
+impl Timed {
+    fn of((index, report): (usize, &Report), turning: Turning) -> Option<Self> {
+        Some(Self { index, time_ns: report.clock_ns? as f64, turned: beam(turning, report.azimuth_rad) })
+    }
+}
+
+/// The last reports that did not fit the turn that is followed, and how many did since the first of them.
+#[derive(Debug, Default)]
+struct Lost {
+    reports: VecDeque<Begin>,
+    fitting: usize,
+}
+
+/// A report that did not fit: its place among those with times, and the north passages before it.
+#[derive(Debug, Clone, Copy)]
+struct Begin {
+    place: usize,
+    report: Timed,
+    norths: usize,
+}
+
+impl Lost {
+    fn take(&mut self, place: usize, report: Timed, norths: usize) {
+        if self.reports.len() == MOST_LOST {
+            self.reports.pop_front();
+        }
+        self.reports.push_back(Begin { place, report, norths });
+    }
+
+    /// A report fitted: as many of them as were lost, and the lost ones were strays.
+    fn miss(&mut self) {
+        self.fitting += 1;
+        if self.fitting >= self.reports.len() {
+            *self = Self::default();
+        }
+    }
+
+    fn begin(&self) -> Option<Begin> {
+        self.reports.front().copied()
+    }
+
+    fn points(&self) -> Vec<(f64, f64)> {
+        self.reports.iter().map(|lost| (lost.report.time_ns, lost.report.turned)).collect()
+    }
+
+    /// Whether they are most of the last reports and tell a passage of north: those of one moment would tell any.
+    fn agree(&self, turn_ns: f64) -> bool {
+        let Some(begin) = self.begin().filter(|_| self.reports.len() >= FEWEST_LOST.max(2 * self.fitting)) else {
+            return false;
+        };
+        let points = self.points();
+        length_ns(&points) > 0.5 * turn_ns && mean_direction(&points, begin.report.time_ns, turn_ns).1 >= AGREEMENT
+    }
+
+    /// The last passage of north before the first of them, ns.
+    fn north_ns(&self, turn_ns: f64) -> f64 {
+        let Some(Begin { report: first, .. }) = self.begin() else { return 0.0 };
+        let (after, _) = mean_direction(&self.points(), first.time_ns, turn_ns);
+        let turns = (after + first.turned).round();
+        first.time_ns + (after - turns) * turn_ns
+    }
+}
+
 /// Periods of the configured length, of an antenna that stands and whose reports have no rhythm; the first report is in the
 /// middle of one.
 fn periods(reports: &[Report], period_ns: i64) -> Learnt {
+    Learnt { turning: Turning::Standing, norths: at_pace(reports, period_ns, period_ns / 2) }
+}
+
+/// Passages at an even pace, the first so long before the first report, and anew where the clock goes back by more than a turn.
+pub(crate) fn at_pace(reports: &[Report], turn_ns: i64, before_ns: i64) -> Vec<Cycle> {
     let mut norths: Vec<Cycle> = Vec::new();
     let times = reports.iter().enumerate().filter_map(|(index, report)| Some((index, report.clock_ns?)));
     for (reports_before, clock_ns) in times {
-        let Some(&Cycle { clock_ns: north_ns, .. }) = norths.last() else {
-            norths.push(Cycle { clock_ns: clock_ns - period_ns / 2, reports_before });
+        let north_ns = norths.last().map_or(i64::MAX, |north| north.clock_ns);
+        if clock_ns < north_ns.saturating_sub(turn_ns) {
+            norths.push(Cycle { clock_ns: clock_ns - before_ns, reports_before });
             continue;
-        };
-        let after = norths_after((clock_ns - north_ns) / period_ns.max(1));
-        norths.extend(after.map(|turn| Cycle { clock_ns: north_ns + turn * period_ns, reports_before }));
+        }
+        let after = norths_after((clock_ns - north_ns) / turn_ns.max(1));
+        norths.extend(after.map(|turn| Cycle { clock_ns: north_ns + turn * turn_ns, reports_before }));
     }
-    Learnt { turning: Turning::Standing, norths }
+    norths
 }
 
 /// Which of so many turns are told one by one: of a long pause, the last alone.

@@ -151,3 +151,25 @@ fn a_recording_without_one_plot_is_not_sound() {
     assert!(!is_sound(&source));
     assert!(source.notes().iter().any(|note| note.contains("not one plot; ")), "{:?}", source.notes());
 }
+
+/// A flipped bit in the identification of one record is no second radar; a few percent of the records are one.
+#[test]
+fn a_record_of_a_damaged_sensor_is_counted() {
+    let mut chain = chain();
+    (chain.site.sac, chain.site.sic) = (None, None);
+    for (place, flipped) in [(4, 0x10), (5, 0x01), (4, 0x80)] {
+        let mut own = Recorder::default().blocks(TURNS);
+        own[17][place] ^= flipped;
+        let found = open(&chain, &own.concat()).expect("one radar and a stray record");
+        assert_eq!(found.rejected().of(Reject::ForeignSource), 1);
+        assert!(
+            found.notes().iter().any(|note| note.ends_with(": 1 records foreign, not used")),
+            "{:?}",
+            found.notes()
+        );
+        assert!(messages(found).all(|(header, _)| header.source_id == 0x0007));
+        own[10..20].iter_mut().for_each(|block| block[place] = flipped);
+        let refused = open(&chain, &own.concat()).expect_err("two may be meant").to_string();
+        assert!(refused.contains("expected those of one sensor"), "{refused}");
+    }
+}

@@ -148,3 +148,54 @@ fn tracks_end_in_a_long_pause() {
         }
     }
 }
+
+/// As a table of times of the day, in the order in which the plots were made.
+fn table(recorder: &Recorder, turns: u32) -> Source {
+    let true_clock = Recorder { clock_s: &|true_s| true_s, has_service: true, ..*recorder };
+    let whole = open(&chain(), &true_clock.blocks(turns).concat()).expect("a recording");
+    let mut plots: Vec<_> = messages(whole).flat_map(|(_, plots)| plots).collect();
+    plots.sort_by_key(|plot| plot.time_ns);
+    let row = |plot: &common::plots::Plot| {
+        let time_s = (recorder.clock_s)((plot.time_ns - MIDNIGHT_NS) as f64 * 1e-9);
+        format!("{time_s},{},{}\n", plot.range_m, plot.azimuth_rad.to_degrees())
+    };
+    let rows: String = plots.iter().map(row).collect();
+    open(&chain(), format!("time_s,range_m,azimuth_deg\n{rows}").as_bytes()).expect("a table")
+}
+
+/// Without north markers the turn is found again after a step of the clock, in ASTERIX as in tables.
+#[test]
+fn a_clock_that_is_set_is_bridged_without_north_markers() {
+    for turn_s in [1.0, 2.5, 4.0] {
+        for by_turns in [-900.4, -25.6, -15.05, -0.5, -0.3, 0.35, 0.5, 900.4] {
+            for at_turn in [30.0, 30.3, 30.97] {
+                let (at_s, by_s) = (at_turn * turn_s, by_turns * turn_s);
+                let clock_s = |true_s: f64| START_S + true_s + if true_s < at_s { 0.0 } else { by_s };
+                let turn = |_| turn_s;
+                let recorder = Recorder { turn_s: &turn, clock_s: &clock_s, has_service: false, ..Recorder::default() };
+                for source in [source(&recorder, 60), table(&recorder, 60)] {
+                    let scene = format!("{turn_s} s a turn, set by {by_s} s at turn {at_turn}: {:?}", source.notes());
+                    assert!(has_note(&source, "clock steps 1: "), "{scene}");
+                    assert_eq!(source.rejected().total(), 0, "{scene}");
+                    let followed = follow(source);
+                    assert!(followed.confirmed.len().abs_diff(60) <= 1, "{scene}: {}", followed.confirmed.len());
+                    let late = &followed.confirmed[TO_CONFIRM as usize..];
+                    assert!(followed.numbers.len() == 5 && late.iter().all(|&count| count == 5), "{scene}: {late:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Times of the day in a table go on over midnight.
+#[test]
+fn a_table_passes_midnight() {
+    let clock_s = |true_s: f64| (86_380.0 + true_s) % 86_400.0;
+    let source = table(&Recorder { clock_s: &clock_s, ..Recorder::default() }, 40);
+    assert!(!has_note(&source, "clock steps") && !has_note(&source, "pauses"), "{:?}", source.notes());
+    let (last, _) =
+        messages(table(&Recorder { clock_s: &clock_s, ..Recorder::default() }, 40)).last().expect("messages");
+    let end_ns = MIDNIGHT_NS + (86_380 + 40) * 1_000_000_000;
+    assert!(last.time_ns.abs_diff(end_ns) < 2_000_000_000, "{}", last.time_ns);
+    assert_followed(source, 40);
+}

@@ -112,7 +112,7 @@ impl Environment {
         let odds = |ratio: &dyn Fn(&Measurement, FalsePower) -> f64| {
             let evidence = |plot: &Measurement, among: FalsePlots| {
                 let ratio = if plot.has_power && self.threshold_is_known { ratio(plot, among.power) } else { 1.0 };
-                ratio / (among.density * self.clutter.cell_volume(plot))
+                ratio / (among.density * self.radar.volume_at(plot, |i| self.radar.cell[i]))
             };
             config.start_density * evidence(last, last_among) * evidence(previous, previous_among) / cells
         };

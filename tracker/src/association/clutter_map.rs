@@ -269,7 +269,7 @@ impl ClutterMap {
         let (all, outliers) = (all.max(crowd), outliers.max(crowd));
         let per_cell = self.base + all;
         FalsePlots {
-            density: per_cell / self.cell_volume(plot),
+            density: per_cell / self.radar.volume_at(plot, |i| self.radar.cell[i]),
             power: FalsePower {
                 mean_excess: found.mean_excess,
                 outliers: ((outliers + OUTLIERS_EXPECTED) / per_cell).min(1.0),

@@ -79,7 +79,7 @@ impl Place {
                 ln_density -= 0.5 * (from_middle * from_middle / variance + (std::f64::consts::TAU * variance).ln());
             }
         }
-        ln_density - radar.volume(|_| 1.0, plot.polar[0], plot.cos_elevation.max(1e-3)).ln()
+        ln_density - radar.volume_at(plot, |_| 1.0).ln()
     }
 
     /// (J4): what a plot of two targets says of this one.

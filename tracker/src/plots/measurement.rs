@@ -149,6 +149,22 @@ impl Measurement {
         LineOfSight::at(place.to_enu().into())
     }
 
+    /// The same, where it has no elevation and `other` has one, with that, from which the target has gone at most `reach_m`.
+    #[must_use]
+    pub fn with_elevation_of(&self, other: &Self, reach_m: f64) -> Self {
+        if self.measured[2] || !other.measured[2] {
+            return *self;
+        }
+        let mut this = *self;
+        let [range_m, azimuth_rad, ..] = self.polar;
+        let elevation_rad = other.polar[2];
+        this.polar[2] = elevation_rad;
+        this.variance[2] = other.variance[2] + (reach_m / range_m).powi(2);
+        this.cos_elevation = elevation_rad.cos();
+        this.position = Polar { range_m, azimuth_rad, elevation_rad }.to_enu().into();
+        this
+    }
+
     /// Number of measured coordinates.
     pub fn dimensions(&self) -> usize {
         self.measured.iter().filter(|measured| **measured).count()

@@ -1,6 +1,6 @@
 //! What the radar measures, and how well in general.
 
-use super::measurement::COORDINATES;
+use super::measurement::{COORDINATES, Measurement};
 
 /// What the radar measures, and how well in general.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +47,18 @@ impl Radar {
     /// Product of `extent` over the measured coordinates, as a volume in the measure of y (m³·m/s) at range
     /// `r` (m) and elevation cosine `cos_e`: r² cos ε with elevation, r without.
     pub fn volume(&self, extent: impl Fn(usize) -> f64, r: f64, cos_e: f64) -> f64 {
-        let product: f64 = (0..COORDINATES).filter(|&i| self.measured[i]).map(extent).product();
-        product * if self.measured[2] { r * r * cos_e } else { r }
+        volume(self.measured, extent, r, cos_e)
     }
+
+    /// The same over the coordinates that a plot holds of these, in the measure of its likelihood: a plot without elevation says nothing
+    /// of one, and nor does the density of false plots to which it is compared.
+    pub fn volume_at(&self, plot: &Measurement, extent: impl Fn(usize) -> f64) -> f64 {
+        let held = std::array::from_fn(|i| self.measured[i] && plot.measured[i]);
+        volume(held, extent, plot.polar[0].max(1.0), plot.cos_elevation.max(1e-3))
+    }
+}
+
+fn volume(measured: [bool; COORDINATES], extent: impl Fn(usize) -> f64, r: f64, cos_e: f64) -> f64 {
+    let product: f64 = (0..COORDINATES).filter(|&i| measured[i]).map(extent).product();
+    product * if measured[2] { r * r * cos_e } else { r }
 }

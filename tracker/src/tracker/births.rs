@@ -85,7 +85,9 @@ impl Tracker {
             return None;
         }
         let Self { births: Births { state, .. }, tracks, .. } = self;
-        environment.filter.start(&TwoPlots { previous, last, step_s }, state);
+        let reach_m = environment.limits.speed_mps * step_s;
+        let (from, to) = (previous.with_elevation_of(last, reach_m), last.with_elevation_of(previous, reach_m));
+        environment.filter.start(&TwoPlots { previous: &from, last: &to, step_s }, state);
         let mixture = Mixture::new(environment.filter.layout(), state);
         if !mixture.is_sound() {
             return None;

@@ -63,7 +63,7 @@ impl PairLimits {
             if i == 3 && radar.range_rate_interval_mps > 0.0 { radar.range_rate_interval_mps } else { f64::INFINITY }
         };
         let extent = |i: usize| (radar.cell[i] + 2.0 * reach[i]).min(most(i)) / radar.cell[i];
-        (0..COORDINATES).filter(|&i| radar.measured[i]).map(extent).product()
+        (0..COORDINATES).filter(|&i| radar.measured[i] && last.measured[i]).map(extent).product()
     }
 
     /// How badly two plots `step_s` apart fit one target; `None` if they do not. Smaller is better.
