@@ -13,6 +13,7 @@ is silent; nothing is asked of another host. Measures frames a second and the la
 
 import argparse
 import json
+import shutil
 import sys
 import time
 import urllib.request
@@ -220,7 +221,7 @@ def main():
     parser.add_argument("--measure", type=float, default=10, help="seconds of measurement (10)")
     parser.add_argument("--least-frames", type=float, default=0, help="frames a second that must be reached")
     parser.add_argument("--most-latency-ms", type=float, default=float("inf"), help="median latency to the screen that must be reached")
-    parser.add_argument("--chromium", default="/usr/bin/chromium")
+    parser.add_argument("--chromium", default=shutil.which("chromium"), help="the program (chromium)")
     options = parser.parse_args()
     judge = Judge()
     status = options.status or options.url.rstrip("/") + "/api/v1/status"
