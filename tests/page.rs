@@ -39,7 +39,7 @@ fn a_reader_finds_the_tracks_and_what_the_chain_does_and_reaches_everything_by_k
     let judge = Command::new("python3")
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/judges/display_page.py"))
         .arg(format!("http://{}", address_in(&bench.root())))
-        .args(["--tracks", "5", "--within", "120", "--measure", "3", "--chromium", "chromium"])
+        .args(["--tracks", "5", "--within", "120", "--measure", "3"])
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .output()
         .expect("python3");
