@@ -537,9 +537,7 @@ impl LiveRadar {
             self.next = Some(self.first_sector(turn));
         }
         for unplaced in &kept {
-            if !self.antenna.is_locked() {
-                self.unplaced.push(*unplaced); // they have cast doubt on what was found
-            } else if let Err(reason) = self.place(unplaced) {
+            if let Err(reason) = self.place(unplaced) {
                 self.rejected.count(reason);
             }
         }
