@@ -7,7 +7,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use support::{Bench, output, small_config, text_of};
+use support::{Bench, output, python_lacks, small_config, text_of};
 
 fn python(example: &str, bench: &Bench) -> Command {
     let mut command = Command::new("python3");
@@ -21,18 +21,7 @@ fn script(example: &str) -> std::path::PathBuf {
 }
 
 fn is_left_out() -> bool {
-    lacks("iceoryx2", "iceoryx2==0.10.0")
-}
-
-/// Whether Python lacks modules, which the packages of PyPI bring.
-fn lacks(modules: &str, packages: &str) -> bool {
-    let present = Command::new("python3").args(["-c", &format!("import {modules}")]).output();
-    let present = present.is_ok_and(|output| output.status.success());
-    assert!(present || std::env::var_os("CI").is_none(), "python3 with {modules} is missing");
-    if !present {
-        eprintln!("left out: python3 with {modules} is missing (pip install {packages})");
-    }
-    !present
+    python_lacks("iceoryx2", "pip install iceoryx2==0.10.0")
 }
 
 #[test]
@@ -64,7 +53,7 @@ fn an_observer_in_python_sees_the_tracks() {
 /// Tracks over HTTP and WebSocket, with the packages `requests` and `websockets`.
 #[test]
 fn a_program_in_python_reads_tracks_over_http() {
-    if lacks("requests, websockets", "requests websockets") {
+    if python_lacks("requests, websockets", "pip install requests websockets") {
         return;
     }
     let bench = Bench::new();

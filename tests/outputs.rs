@@ -18,23 +18,16 @@ use common::messages::Recorded;
 use common::plots::Plot;
 use common::tracks::{CONFIRMED, Track};
 use serde_json::Value;
-use support::{Bench, text_of};
+use support::{Bench, python_lacks, text_of};
 
 const POSITION: &str = "site.position={ latitude_deg = 50.45, longitude_deg = 30.52, height_m = 120.0 }";
 
-fn are_left_out() -> bool {
-    let packages = "import asterix.generated, pynmea2, takproto, sapient_msg_pydantic";
-    let present = Command::new("python3").args(["-c", packages]).output().is_ok_and(|output| output.status.success());
-    assert!(present || std::env::var_os("CI").is_none(), "python3 cannot `{packages}`");
-    if !present {
-        eprintln!("left out: python3 cannot `{packages}` (pip install: see tests/judges/outputs.py)");
-    }
-    !present
-}
-
 #[test]
 fn foreign_programs_read_every_output_and_find_the_same_tracks() {
-    if are_left_out() {
+    if python_lacks(
+        "asterix.generated, pynmea2, takproto, sapient_msg_pydantic",
+        "pip install: see tests/judges/outputs.py",
+    ) {
         return;
     }
     let bench = Bench::new();

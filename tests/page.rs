@@ -9,28 +9,16 @@ mod support;
 use std::path::Path;
 use std::process::Command;
 
-use support::{Bench, text_of};
+use support::{Bench, python_lacks, text_of};
 use viewer::address_in;
-
-fn is_left_out() -> bool {
-    let packages = "import playwright.sync_api, axe_playwright_python.sync_playwright";
-    let runs = |program: &str, argument: &[&str]| {
-        Command::new(program).args(argument).output().is_ok_and(|output| output.status.success())
-    };
-    let present = runs("python3", &["-c", packages]) && runs("chromium", &["--version"]);
-    assert!(present || std::env::var_os("CI").is_none(), "python3 cannot `{packages}`, or there is no chromium");
-    if !present {
-        eprintln!("left out: python3 cannot `{packages}`, or there is no chromium (see tests/judges/display_page.py)");
-    }
-    !present
-}
 
 /// The default scenario: seven drones are in the radar's range from the beginning. How fast the page is, is measured elsewhere.
 #[test]
 fn a_reader_finds_the_tracks_and_what_the_chain_does_and_reaches_everything_by_keyboard() {
-    if is_left_out() {
+    if python_lacks("playwright.sync_api, axe_playwright_python.sync_playwright", "see tests/judges/display_page.py") {
         return;
     }
+    let Some(browser) = support::browser() else { return };
     let bench = Bench::new();
     let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/uav.toml");
     let keys = ["display.enabled=true", "display.listen='127.0.0.1:0'", "display.control=true"];
@@ -39,7 +27,7 @@ fn a_reader_finds_the_tracks_and_what_the_chain_does_and_reaches_everything_by_k
     let judge = Command::new("python3")
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/judges/display_page.py"))
         .arg(format!("http://{}", address_in(&bench.root())))
-        .args(["--tracks", "5", "--within", "120", "--measure", "3"])
+        .args(["--tracks", "5", "--within", "120", "--measure", "3", "--chromium", browser])
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .output()
         .expect("python3");

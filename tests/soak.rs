@@ -148,14 +148,7 @@ fn a_killed_soak_leaves_no_bare_hops_and_what_a_killed_chain_leaves_is_removed()
 
 /// Opens the page in a browser, where there is one: it must have drawn itself without an error.
 fn look_at(page: &Path, picture: &Path) {
-    let browsers = ["chromium", "chromium-browser", "google-chrome"];
-    let there =
-        |browser: &&&str| Command::new(browser).arg("--version").output().is_ok_and(|said| said.status.success());
-    let Some(browser) = browsers.iter().find(there) else {
-        assert!(std::env::var_os("CI").is_none(), "checks before landing need Chromium for the page of the soak");
-        eprintln!("no Chromium here: the page was not opened");
-        return;
-    };
+    let Some(browser) = support::browser() else { return };
     let folder = tempfile::tempdir().expect("temporary folder");
     let open = |more: &str| {
         Command::new(browser)

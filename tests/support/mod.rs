@@ -29,6 +29,30 @@ fn launcher() -> Command {
     Command::new(path)
 }
 
+/// Whether a test has to be left out, which is said, because Python lacks `modules`; never where `CI` is set. `hint` says how to come by
+/// them.
+pub(crate) fn python_lacks(modules: &str, hint: &str) -> bool {
+    let imported = Command::new("python3").args(["-c", &format!("import {modules}")]).output();
+    let present = imported.is_ok_and(|output| output.status.success());
+    assert!(present || std::env::var_os("CI").is_none(), "python3 with {modules} is missing ({hint})");
+    if !present {
+        eprintln!("left out: python3 with {modules} is missing ({hint})");
+    }
+    !present
+}
+
+/// A Chromium by the name of its program; `None`, which is said, where there is none, never where `CI` is set.
+pub(crate) fn browser() -> Option<&'static str> {
+    let there =
+        |browser: &&str| Command::new(browser).arg("--version").output().is_ok_and(|said| said.status.success());
+    let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(there);
+    assert!(found.is_some() || std::env::var_os("CI").is_none(), "checks before landing need Chromium for pages");
+    if found.is_none() {
+        eprintln!("no Chromium here: the page was not opened");
+    }
+    found
+}
+
 /// A domain and a folder for one test.
 pub(crate) struct Bench {
     folder: tempfile::TempDir,

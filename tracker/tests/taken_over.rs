@@ -45,6 +45,13 @@ fn confirmed(tracks: &BTreeMap<u64, Track>) -> BTreeMap<u64, Track> {
     tracks.iter().filter(|(_, track)| track.is_confirmed()).map(|(id, track)| (*id, *track)).collect()
 }
 
+/// The confirmed tracks after these messages.
+fn confirmed_by(config: &TrackerConfig, messages: &[(PlotsHeader, Vec<Plot>)]) -> BTreeMap<u64, Track> {
+    let mut last = BTreeMap::new();
+    follow(&mut Tracker::new(config, 1).expect("valid"), messages, &mut last);
+    confirmed(&last)
+}
+
 /// The confirmed tracks at the end, with and without a tracker that dies after `dies` messages and one that begins after `again`.
 fn with_and_without(
     config: &TrackerConfig,
@@ -52,14 +59,13 @@ fn with_and_without(
     dies: usize,
     again: usize,
 ) -> [BTreeMap<u64, Track>; 2] {
-    let mut undisturbed = BTreeMap::new();
-    follow(&mut Tracker::new(config, 1).expect("valid"), messages, &mut undisturbed);
+    let undisturbed = confirmed_by(config, messages);
     let mut last = BTreeMap::new();
     follow(&mut Tracker::new(config, 1).expect("valid"), &messages[..dies], &mut last);
     let mut next = Tracker::new(config, NEXT).expect("valid");
     next.take_over(last.values().copied().collect());
     follow(&mut next, &messages[again..], &mut last);
-    [confirmed(&undisturbed), confirmed(&last)]
+    [undisturbed, confirmed(&last)]
 }
 
 /// Distance of two positions in standard deviations of the first.
@@ -106,9 +112,7 @@ fn a_fleet_goes_on() {
     let plots = messages(Turning::default(), &FLEET, 32);
     let split = 30 * SECTORS as usize;
     let config = TrackerConfig::default();
-    let mut last = BTreeMap::new();
-    follow(&mut Tracker::new(&config, 1).expect("valid"), &plots[..split], &mut last);
-    let before = confirmed(&last);
+    let before = confirmed_by(&config, &plots[..split]);
     assert!(before.len() > 35, "{}", before.len());
     let mut next = Tracker::new(&config, NEXT).expect("valid");
     next.take_over(before.values().copied().collect());
@@ -125,9 +129,7 @@ fn tracks_end_after_a_long_absence_and_say_so() {
     let sectors = SECTORS as usize;
     let config = TrackerConfig::default();
     let again = (30 + config.confirmed_misses as usize + 2) * sectors;
-    let mut last = BTreeMap::new();
-    follow(&mut Tracker::new(&config, 1).expect("valid"), &plots[..30 * sectors], &mut last);
-    let before = confirmed(&last);
+    let before = confirmed_by(&config, &plots[..30 * sectors]);
     assert_eq!(before.len(), TARGETS.len());
     let mut next = Tracker::new(&config, NEXT).expect("valid");
     next.take_over(before.values().copied().collect());
@@ -148,9 +150,7 @@ fn foreign_tracks_are_left() {
     let plots = messages(Turning::default(), &TARGETS, 31);
     let split = 30 * SECTORS as usize;
     let config = TrackerConfig::default();
-    let mut last = BTreeMap::new();
-    follow(&mut Tracker::new(&config, 1).expect("valid"), &plots[..split], &mut last);
-    let before = confirmed(&last);
+    let before = confirmed_by(&config, &plots[..split]);
     let after = |change: &dyn Fn(&mut Track)| {
         let mut tracks: Vec<Track> = before.values().copied().collect();
         tracks.iter_mut().for_each(change);
