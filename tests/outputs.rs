@@ -131,7 +131,7 @@ fn what_cannot_be_used_is_one_line() {
 
 /// Its frames are dropped and counted; the others are sent.
 #[test]
-fn an_output_whose_port_is_taken_is_told_and_concerns_no_other() {
+fn an_output_whose_port_is_taken_is_reported_and_the_others_go_on() {
     let bench = Bench::new();
     let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
     let receiver = UdpSocket::bind("127.0.0.1:0").expect("a port");

@@ -159,7 +159,7 @@ fn what_is_no_recording_is_said_in_a_line() {
     }
     // Nobody beyond this machine may look without a token.
     let result = output(radar_chain().arg("view").arg(&recording).args(["--listen", "0.0.0.0:0"]));
-    assert!(result.status.code() == Some(2) && text_of(&result).contains("display.token_file"), "{}", text_of(&result));
+    assert!(result.status.code() == Some(2) && text_of(&result).contains("--token-file"), "{}", text_of(&result));
     let result = output(radar_chain().arg("view").args([&recording, &recording]));
     assert!(result.status.code() == Some(2) && text_of(&result).contains("a name that no other site has"));
     // A recording that was cut is shown as far as it goes.

@@ -244,7 +244,7 @@ fn a_recording_is_moved_by_its_viewers_and_shown_anew_after_a_jump() {
     assert_eq!(wanted.recv(), Ok(Playback::Seek(5.0)));
     let mut there = Picture::new(&sites(4));
     there.take(0, RecordedRef::Tracks(&TracksHeader::default(), &[track(42)]), 0);
-    served.replace(there);
+    served.replace(there, || ());
     // Who only wants more of what there is gets the present time anew, with what has led to it.
     viewer.send(r#"{"want": {"tracks": true, "video": {"lines": 64, "ranges": 64}}}"#);
     assert_eq!(wanted.recv(), Ok(Playback::Again));

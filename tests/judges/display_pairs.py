@@ -23,11 +23,11 @@ from pathlib import Path
 
 # Quantiles 0.975 of Student's t by degrees of freedom; beyond the last, of the normal distribution and a little more.
 STUDENT = [12.71, 4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31, 2.26, 2.23, 2.20, 2.18, 2.16, 2.14, 2.13, 2.12, 2.11, 2.10, 2.09]
-WANT = {"video": {"lines": 1024, "ranges": 512}, "plots": True, "tracks": True, "truth": True, "health": True, "events": True}
 
 
 def look(port, ended):
     """A client that takes everything until the run ends."""
+    from display_cost import WANT
     from websockets.exceptions import ConnectionClosed
     from websockets.sync.client import connect
 
@@ -52,9 +52,11 @@ def latencies(options, with_display):
         if with_display and options.client:
             threading.Thread(target=look, args=(options.port, ended), daemon=True).start()
         try:
-            subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            run = subprocess.run(command, capture_output=True, text=True)
         finally:
             ended.set()
+        if run.returncode:
+            sys.exit(f"{options.program} ended with {run.returncode}:\n{run.stderr}")
         of = json.loads(report.read_text())["latency_us"]["end_to_end"]
         return of["p50"], of["p99"]
 

@@ -34,7 +34,7 @@ pub struct PlotSourceConfig {
     /// Scan period, s, where the recording has too few start-of-cycle messages to tell; said if theirs differs.
     pub scan_period_s: f64,
     /// How the antenna turns: `clockwise`, `counter-clockwise` or `standing`; learnt from times and azimuths where it is not
-    /// given. An antenna that stands has scans as long as reports of all targets are apart, or as `scan_period_s` says.
+    /// given. The scans of an antenna that stands are as long as the time between two reports of a target, or `scan_period_s`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turning: Option<Turning>,
     /// The radar sees no farther than this, m.

@@ -130,7 +130,7 @@ impl SitePicture {
             let silent: Vec<_> = self.tracks.values().filter(is_silent).map(|of| of.track).collect();
             for track in silent {
                 self.tracks.remove(&track.id);
-                self.lose(&track, "without a word");
+                self.lose(&track, "without a last message");
                 gone.push(track);
             }
         }

@@ -27,8 +27,6 @@ pub struct SectorVideo {
     pub azimuth_first_rad: f64,
     /// Between lines, rad.
     pub azimuth_step_rad: f64,
-    /// Lines in a scan.
-    pub lines_per_scan: u32,
     /// Range of the first cell, m.
     pub range_first_m: f64,
     /// Between cells, m.
@@ -79,7 +77,6 @@ impl Gatherer {
             time_s: 0.0,
             azimuth_first_rad: header.azimuth_rad,
             azimuth_step_rad: header.azimuth_step_rad,
-            lines_per_scan: header.dwells_per_scan,
             range_first_m: header.range_first_m,
             range_step_m: header.range_step_m,
             ranges,

@@ -19,7 +19,7 @@ impl Svg {
         let title = escaped(title);
         let mut text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
-             role=\"img\" aria-label=\"{title}\">\n<title>{title}</title>\n<style>svg{{font:14px 'DejaVu Sans',sans-serif}}"
+             role=\"img\" aria-label=\"{title}\">\n<title>{title}</title>\n<style>svg{{font-family:'DejaVu Sans',sans-serif}}"
         );
         for mark in Mark::ALL {
             text.push_str(&rule(mark, theme));

@@ -47,7 +47,7 @@ pub(super) struct State {
     /// It was too slow, and gets nothing before it begins anew.
     behind: bool,
     /// It is given what has led to the picture, which has no bound.
-    led: bool,
+    unbounded: bool,
 }
 
 /// What a viewer is to be sent next.
@@ -90,7 +90,7 @@ impl State {
     pub(super) fn push(&mut self, message: Message) -> u64 {
         let (messages, bytes) = self.picture;
         let full = self.queue.len() >= MOST_MESSAGES + messages || self.bytes + length(&message) > MOST_BYTES + bytes;
-        if !self.behind && (self.led || !full) {
+        if !self.behind && (self.unbounded || !full) {
             self.push_always(message);
             return 0;
         }
@@ -115,8 +115,8 @@ impl State {
     }
 
     /// What waits is on its way to the whole picture, or is it.
-    pub(super) fn is_led(&mut self, led: bool) {
-        self.led = led;
+    pub(super) fn set_unbounded(&mut self, unbounded: bool) {
+        self.unbounded = unbounded;
         self.has_picture();
     }
 

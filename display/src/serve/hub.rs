@@ -173,9 +173,9 @@ impl Hub {
     }
 
     /// From now on every viewer gets all that is sent, or again no more than it takes.
-    pub(super) fn each_is_led(&self, led: bool) {
+    pub(super) fn set_each_unbounded(&self, unbounded: bool) {
         self.each(|state| {
-            state.is_led(led);
+            state.set_unbounded(unbounded);
             false
         });
     }

@@ -202,20 +202,16 @@ impl Served {
         }
     }
 
-    /// Puts another picture in the place of this one, as after a jump in a recording, and shows it to all viewers.
-    pub fn replace(&self, other: Picture) {
+    /// Puts another picture in the place of this one, as after a jump in a recording, and shows it to all viewers, with what has led to
+    /// the present picture: `lead` hands it over, message by message. However much that is, viewers get it.
+    pub fn replace(&self, other: Picture, lead: impl FnOnce()) {
         let mut picture = self.picture();
         *picture = other;
         self.hub.begin_anew(|state| Self::show_all(&picture, state));
-    }
-
-    /// As [`Served::replace`], with what has led to the present picture: `lead` hands it over, message by message. However much
-    /// that is, viewers get it.
-    pub fn replace_with(&self, other: Picture, lead: impl FnOnce()) {
-        self.replace(other);
-        self.hub.each_is_led(true);
+        drop(picture);
+        self.hub.set_each_unbounded(true);
         lead();
-        self.hub.each_is_led(false);
+        self.hub.set_each_unbounded(false);
     }
 
     /// Gives a viewer that has just come what everybody is told first. The picture is locked before a viewer, everywhere.

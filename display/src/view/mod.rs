@@ -45,7 +45,11 @@ pub fn run(files: &[PathBuf], listen: Option<(&str, &str)>) -> anyhow::Result<Ex
         sites.change(|site| (site.display.listen, site.display.token_file) = (address.into(), token_file.into()));
     }
     let chain = sites.first();
-    chain.display.check().map_err(|error| BadInput(error.to_string()))?;
+    // The command line has names of its own for these keys.
+    let by_option =
+        |text: String| text.replace("key `display.listen`", "--listen").replace("display.token_file", "--token-file");
+    let refused = |text: String| BadInput(if listen.is_some() { by_option(text) } else { text });
+    chain.display.check().map_err(|error| refused(error.to_string()))?;
     let listener = bind(chain.display.address())?;
     let address = listener.local_addr()?;
     let (from_s, to_s) = (from_ns as f64 / NS_PER_S, to_ns as f64 / NS_PER_S);

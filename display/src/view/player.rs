@@ -101,11 +101,10 @@ impl Player {
                     while matches!(order, Order::Viewer(Playback::Again | Playback::Seek(_)))
                         && let Ok(next) = orders.try_recv()
                     {
-                        if !matches!(next, Order::Viewer(Playback::Again)) {
-                            if !matches!(next, Order::Viewer(Playback::Seek(_))) {
-                                self.obey(order);
-                            }
-                            order = next;
+                        match next {
+                            Order::Viewer(Playback::Again) => {}
+                            Order::Viewer(Playback::Seek(_)) => order = next,
+                            other => self.obey(std::mem::replace(&mut order, other)),
                         }
                     }
                     self.obey(order);
@@ -183,7 +182,7 @@ impl Player {
         self.at_ns = time_ns;
         self.video.fill_with(Gatherer::default);
         let served = Arc::clone(&self.served);
-        served.replace_with(picture, || {
+        served.replace(picture, || {
             while let Some((site, message)) = self.deck.next_until(time_ns) {
                 // A chunk begins before the time that it was chosen for.
                 let least_ns = match message.by_ref().topic() {

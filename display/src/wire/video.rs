@@ -68,7 +68,7 @@ struct Grid {
     /// Azimuth of the middle of the first line of the sector, and from there to the next, in lines of the grid.
     first: f64,
     per_line: f64,
-    /// Between lines of the grid, rad; negative where the radar turns against the clock.
+    /// Between lines of the grid, rad; negative where the radar turns counter-clockwise.
     step_rad: f64,
 }
 
@@ -150,7 +150,6 @@ mod tests {
                         time_s: 0.0,
                         azimuth_first_rad: (turning * (f64::from(line) + 0.5) * step_rad).rem_euclid(TAU),
                         azimuth_step_rad: turning * step_rad,
-                        lines_per_scan: 1040,
                         range_first_m: 0.0,
                         range_step_m: 1.0,
                         ranges: 1,
