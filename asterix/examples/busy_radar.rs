@@ -70,9 +70,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let end = (to_turned / share * f64::from(targets)).ceil() as u32;
         for target in first..end {
             let turned = f64::from(target) / f64::from(targets);
-            // 32 rings; outwards at up to 8 m/s.
-            let range_m =
-                10_000.0 + 2000.0 * f64::from(target % 32) + start.elapsed().as_secs_f64() * f64::from(target % 9);
+            // 32 rings; outwards at up to 8 m/s, neighbours of all rings alike, so that nobody meets anybody.
+            let speed_mps = f64::from(target / 32 % 9);
+            let range_m = 10_000.0 + 2000.0 * f64::from(target % 32) + start.elapsed().as_secs_f64() * speed_mps;
             let report = TargetReport {
                 source: Some(SOURCE),
                 time_of_day: time_of_day(),

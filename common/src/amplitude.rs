@@ -154,16 +154,22 @@ impl Detector {
 
     /// An exponential power of mean `mean` over the noise estimate.
     fn gamma_1(&self, q: f64, mean: f64) -> Tail {
+        self.gamma_1_of(q, mean, mean.ln())
+    }
+
+    /// The same with the logarithm of the mean at hand.
+    #[inline]
+    fn gamma_1_of(&self, q: f64, mean: f64, ln_mean: f64) -> Tail {
         match self.noise {
-            NoiseEstimate::Known => Tail { ln_survival: -q / mean, ln_density: -q / mean - mean.ln() },
+            NoiseEstimate::Known => Tail { ln_survival: -q / mean, ln_density: -q / mean - ln_mean },
             NoiseEstimate::Mean(cells) => {
                 let n = f64::from(cells);
                 let ln_y = (q / (n * mean)).ln_1p();
-                Tail { ln_survival: -n * ln_y, ln_density: -(n + 1.0) * ln_y - mean.ln() }
+                Tail { ln_survival: -n * ln_y, ln_density: -(n + 1.0) * ln_y - ln_mean }
             }
             other => {
                 let at = other.transform(q / mean);
-                Tail { ln_survival: at.ln_m, ln_density: at.ln_m + at.a.ln() - mean.ln() }
+                Tail { ln_survival: at.ln_m, ln_density: at.ln_m + at.a.ln() - ln_mean }
             }
         }
     }

@@ -42,6 +42,8 @@ pub struct TargetStatistics {
     points: usize,
     /// D, probability that the target is detected.
     pub detection_probability: f64,
+    /// ln F.
+    ln_pfa: f64,
     /// ln(F/D).
     ln_scale: f64,
     /// ln (1 + S), by point.
@@ -52,9 +54,11 @@ impl TargetStatistics {
     /// Before a target whose mean S is, with equal probability, one of the first `points` of `snr`.
     pub(super) fn new(detector: Detector, swerling: Swerling, snr: [f64; SNR_POINTS], points: usize) -> Self {
         let ln_mean = snr.map(f64::ln_1p);
-        let mut target = Self { detector, swerling, snr, points, detection_probability: 1.0, ln_scale: 0.0, ln_mean };
+        let ln_pfa = detector.pfa.ln();
+        let mut target =
+            Self { detector, swerling, snr, points, detection_probability: 1.0, ln_pfa, ln_scale: 0.0, ln_mean };
         target.detection_probability = target.survival(detector.threshold).clamp(f64::MIN_POSITIVE, 1.0);
-        target.ln_scale = detector.pfa.ln() - target.detection_probability.ln();
+        target.ln_scale = ln_pfa - target.detection_probability.ln();
         target
     }
 
@@ -103,14 +107,22 @@ impl TargetStatistics {
         match self.swerling {
             Swerling::Zero => self.steady_ln_ratio(q, snr),
             Swerling::One if self.detector.noise == NoiseEstimate::Known => q * snr / (1.0 + snr) - self.ln_mean[point],
-            Swerling::One => self.detector.gamma_1(q, 1.0 + snr).ln_density - self.detector.gamma_1(q, 1.0).ln_density,
+            Swerling::One | Swerling::Three => self.ln_density_at(q, point) - self.detector.gamma_1(q, 1.0).ln_density,
+        }
+    }
+
+    /// ln f_S(q) for one of the signal-to-noise ratios.
+    fn ln_density_at(&self, q: f64, point: usize) -> f64 {
+        let snr = self.snr[point];
+        match self.swerling {
+            Swerling::Zero => self.steady_ln_ratio(q, snr) + self.detector.gamma_1(q, 1.0).ln_density,
+            Swerling::One => self.detector.gamma_1_of(q, 1.0 + snr, self.ln_mean[point]).ln_density,
             Swerling::Three => {
                 let a = 0.5 * snr;
                 let one = self.detector.gamma_1(q, 1.0 + a).ln_density;
                 let two = self.detector.gamma_2(q, 1.0 + a).ln_density + a.ln();
                 let larger = one.max(two);
-                let noise = self.detector.gamma_1(q, 1.0).ln_density;
-                larger + ((one - larger).exp() + (two - larger).exp()).ln() - a.ln_1p() - noise
+                larger + ((one - larger).exp() + (two - larger).exp()).ln() - a.ln_1p()
             }
         }
     }
@@ -130,10 +142,10 @@ impl TargetStatistics {
     /// strong as the target. A target may glint: ζ of its plots are of any strength too.
     pub fn likelihood_ratio_among(&self, q: f64, among: FalsePower) -> f64 {
         let FalsePower { mean_excess, outliers } = among;
-        let ln_ratio = self.ln_ratio(q) + self.ln_scale;
-        let ln_noise = || self.detector.gamma_1(q, 1.0).ln_density - self.detector.pfa.ln();
+        let ln_noise = || self.detector.gamma_1(q, 1.0).ln_density - self.ln_pfa;
         let excess = q - self.detector.threshold;
         if outliers <= 0.0 {
+            let ln_ratio = self.ln_ratio(q) + self.ln_scale;
             if mean_excess <= 0.0 {
                 return ln_ratio.exp().min(MAX_RATIO);
             }
@@ -142,10 +154,11 @@ impl TargetStatistics {
         }
         // No density of false plots vanishes here, so that logarithms are not needed.
         let any_strength = if excess >= 0.0 { 1.0 / (q * LN_OUTLIERS) } else { 0.0 };
-        let ln_noise = ln_noise();
         let clutter = if mean_excess > 0.0 { (-excess / mean_excess).exp() / mean_excess } else { 0.0 };
-        let false_plots = ln_noise.exp().max(clutter).max(outliers * any_strength);
-        let target = (1.0 - GLINTS) * (ln_ratio + ln_noise).exp() + GLINTS * any_strength;
+        let false_plots = ln_noise().exp().max(clutter).max(outliers * any_strength);
+        let points = (0..self.points).map(|point| self.ln_density_at(q, point).exp());
+        let density = points.sum::<f64>() / (self.points as f64 * self.detection_probability);
+        let target = (1.0 - GLINTS) * density + GLINTS * any_strength;
         (target / false_plots).min(1.0 / outliers)
     }
 
@@ -154,7 +167,7 @@ impl TargetStatistics {
     pub fn greatest_likelihood_ratio(&self, q: f64) -> f64 {
         let points = (0..self.points).map(|point| self.ln_ratio_at(q, point));
         let target = (points.fold(f64::NEG_INFINITY, f64::max) + self.ln_scale + ROUNDING).exp();
-        let ln_noise = self.detector.gamma_1(q, 1.0).ln_density - self.detector.pfa.ln();
+        let ln_noise = self.detector.gamma_1(q, 1.0).ln_density - self.ln_pfa;
         let glints = if q > 0.0 { GLINTS / (q * LN_OUTLIERS) * (-ln_noise).exp() } else { 0.0 };
         target + glints
     }

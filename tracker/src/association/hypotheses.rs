@@ -132,7 +132,8 @@ impl Room {
             densities: Densities::default(),
             update: Update::new(layout),
             children: Vec::new(),
-            candidates: Default::default(),
+            // As in a choice: more than gates hold as a rule.
+            candidates: std::array::from_fn(|_| Vec::with_capacity(64)),
             born: Family::default(),
             shares: Vec::new(),
             state: vec![0.0; layout.words()],

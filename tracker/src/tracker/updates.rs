@@ -14,7 +14,7 @@ use super::forecast::next_detection;
 use crate::association::GateLoad;
 use crate::association::hypotheses::{Means, Room};
 use crate::association::joint::{LEAST_SHARE, Sharing};
-use crate::association::rivals::Rivals;
+use crate::association::rivals::{MOST_NEAR, Rivals};
 use crate::association::scan::{Member, Scan};
 use crate::beam::opportunity::DetectionTime;
 use crate::constants::{APART, EXPLAINED, MISS_WEIGHT, TIMING_S};
@@ -41,6 +41,8 @@ pub(super) struct Updates {
     /// Plots of the index that lie in a window.
     found: Vec<u32>,
     near: Vec<usize>,
+    /// The rivals of the track at hand.
+    rivals_near: Vec<(usize, Of)>,
     offered: Offered,
     sharing: Sharing,
     /// Up to eight of the pending updates.
@@ -64,6 +66,7 @@ impl Updates {
             index: PlotIndex::default(),
             found: Vec::new(),
             near: Vec::new(),
+            rivals_near: Vec::with_capacity(MOST_NEAR),
             offered: Offered::default(),
             sharing: Sharing::new(layout, Machine::default(), inflation),
             scan: Scan::new(layout),
@@ -155,7 +158,7 @@ impl Tracker {
     ) {
         let Self { agenda, tracks, updates, .. } = self;
         let Updates { rivals, handles, due, unreached, .. } = updates;
-        rivals.suit(&environment.radar, tracks);
+        rivals.review(tracks);
         due.clear();
         handles.clear();
         while let Some(handle) = agenda.pop_due(if ended { f64::INFINITY } else { covered_rad }) {
@@ -221,8 +224,9 @@ impl Tracker {
     /// Finds the plots of each track, and what they are worth among several tracks.
     fn offer_plots(&mut self, environment: &Environment) {
         let Self { config, rules, sweep, plots, tracks, updates, .. } = self;
-        let Updates { rivals, pending, index, found, near, offered, sharing, .. } = updates;
+        let Updates { rivals, pending, index, found, near, rivals_near, offered, sharing, .. } = updates;
         offered.clear();
+        rivals_near.clear();
         let due = |pending: &Pending| tracks[pending.place].next.due_rad();
         let from_rad = pending.iter().map(|pending| pending.from_rad).fold(f64::INFINITY, f64::min);
         let stored = plots.between(from_rad, pending.iter().map(due).fold(f64::NEG_INFINITY, f64::max));
@@ -234,10 +238,12 @@ impl Tracker {
         let shares_plots = config.joint_association && !rules.association.decides();
         for pending in pending {
             let track = &tracks[pending.place];
-            let rivals = shares_plots.then(|| rivals.of(pending.place, tracks)).into_iter().flatten();
+            if shares_plots {
+                rivals.find(pending.place, tracks, rivals_near);
+            }
             let mut range_m = track.next.range_m;
-            for (_, rival, of) in rivals.clone() {
-                let expects = rival.opportunity(of);
+            for &(rival, of) in rivals_near.iter() {
+                let expects = tracks[rival].opportunity(of);
                 range_m = [range_m[0].min(expects.range_m[0]), range_m[1].max(expects.range_m[1])];
             }
             let window = Window {
@@ -267,14 +273,14 @@ impl Tracker {
             }
             pending.common = offered.measurements.len();
             pending.offered = first..offered.measurements.len();
-            if rivals.clone().next().is_none() {
+            if rivals_near.is_empty() {
                 continue;
             }
             let states = &tracks.states;
             let own = states.prediction_words(pending.place, Of::NextScan);
             let own = environment.claimant(config, track, own, track.next.time_ns);
-            let rivals = rivals.map(|(place, rival, of)| {
-                let prediction = states.prediction_words(place, of);
+            let rivals = rivals_near.iter().map(|&(place, of)| {
+                let (rival, prediction) = (&tracks[place], states.prediction_words(place, of));
                 environment.claimant(config, rival, prediction, rival.opportunity(of).time_ns)
             });
             let clutter = environment.clutter.in_scan(pending.turn, track.own_plots);
