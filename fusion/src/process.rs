@@ -64,7 +64,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             feed.take_waiting(site, limit_ns, &mut stage.fusion)?;
         }
         pacing.stopping = stop_requested();
-        pacing.find_out_of_step(&mut feeds, &others);
+        pacing.find_out_of_step(&mut feeds, &others, &mut stage.fusion);
         if stage.next.is_none() {
             stage.begin(&feeds, &pacing);
         }
@@ -74,7 +74,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             let heard = feeds.iter().zip(&others).map(|(feed, site)| Heard {
                 name: &site.site.name,
                 scan_period_s: site.scan_period_s(),
-                is_in_time: feed.has_passed(now_ns) || feed.is_out_of_step || pacing.has_ended(feed),
+                is_in_time: feed.has_passed(now_ns) || feed.is_out_of_step() || pacing.has_ended(feed),
             });
             for remark in remarks.look(now_ns, &stage.fusion, heard) {
                 match remark {
@@ -210,10 +210,10 @@ impl Stage {
 
     /// Sets the time of the first cycle once all sites have been heard that are waited for.
     fn begin(&mut self, feeds: &[Feed], pacing: &Pacing) {
-        let first_ns = feeds.iter().filter(|feed| !feed.is_out_of_step).filter_map(Feed::first_ns).min();
+        let first_ns = feeds.iter().filter(|feed| !feed.is_out_of_step()).filter_map(Feed::first_ns).min();
         let all = feeds.iter().all(|feed| feed.first_ns().is_some() || pacing.has_ended(feed));
         if let Some(first_ns) = first_ns
-            && (all || pacing.is_overdue(first_ns, feeds))
+            && (all || pacing.is_overdue(first_ns))
         {
             let start_ns = self.start_ns.unwrap_or(first_ns / self.cycle_ns * self.cycle_ns);
             self.start_ns = Some(start_ns);

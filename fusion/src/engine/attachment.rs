@@ -64,7 +64,8 @@ impl Fusion {
                 }
             } else if local.system.is_none() {
                 local.alone += 1;
-                if !contested || local.alone >= self.settings.attach_after {
+                let is_sure = !contested || local.alone >= self.settings.attach_after;
+                if is_sure && !self.is_held_back(place) {
                     self.start(place);
                 }
             }

@@ -85,12 +85,36 @@ struct SiteState {
     by_id: HashMap<u64, u32>,
     counts: Counts,
     alignment: Alignment,
+    /// Latest time that it has told of, ns.
+    told_ns: u64,
+    /// The same, but none after the last cycle.
+    known_ns: u64,
+    /// Time of the last cycle in which it told of a later time than before.
+    heard_ns: Option<u64>,
 }
 
 impl SiteState {
     /// Whether a place, in the axes of the centre, is in its reach.
     fn sees(&self, at_m: &Vector3<f64>) -> bool {
         (at_m - self.frame.place_m()).norm() < self.site.range_m
+    }
+
+    /// Notes whether it has told of a later time by the cycle at `now_ns`.
+    fn note_time(&mut self, now_ns: u64) {
+        let known_ns = self.told_ns.min(now_ns);
+        if known_ns > self.known_ns {
+            (self.known_ns, self.heard_ns) = (known_ns, Some(now_ns));
+        }
+    }
+
+    /// For how long it has not been heard, s; infinite if it never was.
+    fn silent_s(&self, now_ns: u64) -> f64 {
+        self.heard_ns.map_or(f64::INFINITY, |heard_ns| seconds_between(heard_ns, now_ns))
+    }
+
+    /// How old what it said at `time_ns` of its own clock is at `now_ns` of the centre's, s.
+    fn age_s(&self, time_ns: u64, now_ns: u64) -> f64 {
+        seconds_between(time_ns, self.known_ns) + self.silent_s(now_ns)
     }
 }
 
@@ -124,6 +148,9 @@ impl Fusion {
             by_id: HashMap::new(),
             counts: Counts::default(),
             alignment: Alignment::default(),
+            told_ns: 0,
+            known_ns: 0,
+            heard_ns: None,
         };
         let biases: Vec<Bias> = sites.iter().map(|site| site.bias).collect();
         Self {
@@ -179,6 +206,7 @@ impl Fusion {
     /// Works the reports that have come, and decides; [`Fusion::system_tracks`] are those at `now_ns` from then on.
     pub fn cycle(&mut self, now_ns: u64) {
         self.free_ended();
+        self.sites.iter_mut().for_each(|of| of.note_time(now_ns));
         self.absorb_reports(now_ns);
         let step_s = seconds_between(self.now_ns.unwrap_or(now_ns), now_ns);
         self.now_ns = Some(now_ns);

@@ -92,6 +92,12 @@ impl World {
         (radar.bias, radar.clock_s) = (bias, clock_s);
     }
 
+    /// The tracker of a radar begins anew: it knows no track.
+    pub fn begin_anew(&mut self, radar: usize) {
+        let filter = self.scenario.filter;
+        self.tracks[radar].fill(Tracking::new(filter));
+    }
+
     /// Time since the beginning, s.
     pub fn time_s(&self) -> f64 {
         f64::from(self.cycle) * self.scenario.cycle_s
