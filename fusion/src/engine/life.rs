@@ -19,9 +19,9 @@ impl Fusion {
             time_ns: 0,
             estimate: Gaussian { mean: Vector::zeros(), covariance: Matrix::identity() },
             system: None,
-            confirmed: None,
+            looks: 0,
+            heard: 0,
             choice: None,
-            alone: 0,
             doubts: 0,
             misfit: 0.0,
             alive: true,
@@ -70,7 +70,7 @@ impl Fusion {
     pub(super) fn attach_to(&mut self, place: u32, system: u32) {
         let local = &mut self.locals[place as usize];
         local.system = Some(system);
-        (local.choice, local.alone, local.doubts) = (None, 0, 0);
+        (local.choice, local.doubts) = (None, 0);
         let system = &mut self.systems[system as usize];
         system.contributors.push(Contributor { site: local.site, local: place, id: local.id });
         system.alone_since_ns = None;
@@ -78,7 +78,7 @@ impl Fusion {
 
     pub(super) fn detach(&mut self, place: u32) {
         let local = &mut self.locals[place as usize];
-        (local.choice, local.alone, local.doubts) = (None, 0, 0);
+        (local.choice, local.doubts) = (None, 0);
         if let Some(system) = local.system.take() {
             let system = &mut self.systems[system as usize];
             system.contributors.retain(|of| of.local != place);

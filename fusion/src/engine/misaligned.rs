@@ -165,8 +165,7 @@ impl Fusion {
         let mut shared = 0;
         for &place in self.sites[site as usize].by_id.values() {
             let local = &self.locals[place as usize];
-            let Some(since) = local.confirmed else { continue };
-            if self.cycles <= since + u64::from(self.settings.attach_after) + 1 {
+            if local.looks <= self.settings.attach_after + 1 {
                 continue;
             }
             if self.is_alone(place) || local.doubts >= DOUBTS {

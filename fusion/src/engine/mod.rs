@@ -127,12 +127,11 @@ struct Local {
     /// In the axes of the centre, without bias.
     estimate: Gaussian,
     system: Option<u32>,
-    /// Cycle in which its site has first believed in it.
-    confirmed: Option<u64>,
-    /// For the system track of this number.
+    /// Cycles in which its site has told of it since it believes in it, 0 if it does not; and the last of them.
+    looks: u32,
+    heard: u64,
+    /// For a system track, or for none of those within the gate.
     choice: Option<Decision>,
-    /// Decisions in a row for none of those within the gate.
-    alone: u32,
     /// Reports in a row outside the gate of its system track, and the last χ².
     doubts: u32,
     misfit: f64,

@@ -78,7 +78,9 @@ impl Fusion {
         let frame = of_site.frame;
         let posterior = frame.to_centre(&report.posterior, &bias);
         (local.time_ns, local.estimate) = (report.time_ns, posterior);
-        local.confirmed = report.confirmed.then(|| local.confirmed.unwrap_or(self.cycles));
+        let is_new = local.looks == 0 || local.heard != self.cycles;
+        local.looks = if report.confirmed { local.looks + u32::from(is_new) } else { 0 };
+        local.heard = self.cycles;
         if let Some(index) = local.system {
             let motion = self.motion;
             let system = &mut self.systems[index as usize];
