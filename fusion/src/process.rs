@@ -133,10 +133,16 @@ fn settings(chain: &ChainConfig) -> Settings {
 /// A site as the fusion sees it.
 fn site(config: &ChainConfig, centre: &Position, fusion: &FusionConfig) -> Site {
     let radar = &config.radar;
-    let simulated_m = radar.range_first_m + f64::from(radar.ranges) * radar.range_step_m;
+    let beam_rad = |number: f64| (radar.elevation_first_deg + number * radar.elevation_step_deg).to_radians();
+    // Half a step beyond the centres of the outermost cells and beams.
+    let simulated_m = [-0.5, f64::from(radar.ranges) - 0.5].map(|cell| radar.range_first_m + cell * radar.range_step_m);
+    let simulated_rad = [-0.5, f64::from(radar.elevations) - 0.5].map(beam_rad);
+    let is_simulated = config.run.source == Source::RadarSim;
     Site {
         position: config.site.position.unwrap_or(*centre),
-        range_m: if config.run.source == Source::RadarSim { simulated_m } else { fusion.range_m },
+        range_m: if is_simulated { simulated_m } else { [0.0, fusion.range_m] },
+        // A single broad beam measures no elevation; of other radars nothing is known.
+        elevation_rad: if is_simulated && radar.elevations > 1 { simulated_rad } else { Site::ALL_ELEVATIONS_RAD },
         period_s: config.scan_period_s(),
         bias: Bias::new(
             fusion.range_bias_m,

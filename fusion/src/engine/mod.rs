@@ -30,6 +30,7 @@ mod twins;
 use std::collections::HashMap;
 
 use common::geodesy::Position;
+use common::geometry::Polar;
 use common::units::seconds_between;
 use nalgebra::Vector3;
 
@@ -94,9 +95,11 @@ struct SiteState {
 }
 
 impl SiteState {
-    /// Whether a place, in the axes of the centre, is in its reach.
+    /// Whether a place, in the axes of the centre, is in its reach and in its beams.
     fn sees(&self, at_m: &Vector3<f64>) -> bool {
-        (at_m - self.frame.place_m()).norm() < self.site.range_m
+        let polar = Polar::from_enu(&self.frame.from_centre(at_m));
+        let is_within = |value: f64, [least, greatest]: [f64; 2]| (least..=greatest).contains(&value);
+        is_within(polar.range_m, self.site.range_m) && is_within(polar.elevation_rad, self.site.elevation_rad)
     }
 
     /// Notes whether it has told of a later time by the cycle at `now_ns`.

@@ -75,8 +75,13 @@ impl World {
 
     /// A fusion for these radars, of whose biases only the standard deviations are known.
     pub fn fusion(&self, bias: Bias, settings: Settings) -> Fusion {
-        let site =
-            |radar: &Radar| Site { position: radar.position, range_m: radar.range_m, period_s: radar.period_s, bias };
+        let site = |radar: &Radar| Site {
+            position: radar.position,
+            range_m: [0.0, radar.range_m],
+            elevation_rad: Site::ALL_ELEVATIONS_RAD,
+            period_s: radar.period_s,
+            bias,
+        };
         let sites: Vec<Site> = self.scenario.radars.iter().map(site).collect();
         Fusion::new(&self.scenario.centre, &sites, settings)
     }
