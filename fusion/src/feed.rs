@@ -10,7 +10,7 @@ use common::ipc::{IpcError, Station, Subscriber};
 use common::message::END_OF_STREAM;
 use common::messages::{Tracks, Truth};
 use common::truth::TruthTarget;
-use common::units::seconds_between;
+use common::units::{NS_PER_S, seconds_between};
 use tracing::warn;
 
 use crate::engine::Fusion;
@@ -48,8 +48,8 @@ pub(crate) struct Feed {
     ended: bool,
     /// CLOCK_MONOTONIC at which its last tracks were published, ns.
     pub(crate) tracks_out_ns: u64,
-    /// Whether it has been said that its clock is not that of the others.
-    pub(crate) is_out_of_step: bool,
+    /// How far its clock is ahead of that of the others, if that is too far, s; else 0.
+    pub(crate) wrong_by_s: f64,
 }
 
 impl Feed {
@@ -71,7 +71,7 @@ impl Feed {
             targets: BTreeMap::new(),
             ended: false,
             tracks_out_ns: 0,
-            is_out_of_step: false,
+            wrong_by_s: 0.0,
         })
     }
 
@@ -92,6 +92,11 @@ impl Feed {
             self.first_ns.get_or_insert(header.time_ns);
             self.tracks_out_ns = self.tracks_out_ns.max(header.stamps.tracks_out_ns);
             self.ended |= header.has(END_OF_STREAM);
+            if self.is_ahead() {
+                fusion.refuse(site, message.elements().len());
+                continue;
+            }
+            fusion.hear(site, header.time_ns);
             for track in message.elements() {
                 fusion.take(site, &Report::from_track(track), header.time_ns);
             }
@@ -130,9 +135,24 @@ impl Feed {
         self.tracks_ns
     }
 
+    /// Measurement time that its clock says now, if time runs at `rate`, ns UTC.
+    pub(crate) fn clock_ns(&self, rate: f64) -> Option<u64> {
+        Some(self.tracks_ns? + (rate * self.heard.elapsed().as_secs_f64() * NS_PER_S) as u64)
+    }
+
     /// Measurement time of its first tracks, ns UTC.
     pub(crate) fn first_ns(&self) -> Option<u64> {
         self.first_ns
+    }
+
+    /// Whether its clock is not that of the others.
+    pub(crate) fn is_out_of_step(&self) -> bool {
+        self.wrong_by_s != 0.0
+    }
+
+    /// Whether its clock is ahead of that of the others, so that its tracks are not taken.
+    pub(crate) fn is_ahead(&self) -> bool {
+        self.wrong_by_s > 0.0
     }
 
     /// Whether something has come lately.

@@ -4,6 +4,7 @@
 
 pub mod association;
 pub mod class;
+mod clocks;
 pub mod comparison;
 mod engine;
 mod feed;

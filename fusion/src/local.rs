@@ -97,11 +97,11 @@ impl SiteFrame {
     /// How a position in the axes of the centre moves with the bias of the radar.
     pub fn jacobian(&self, position_m: &Vector3<f64>, velocity_mps: &Vector3<f64>) -> BiasJacobian {
         let back = self.rotation.transpose();
-        self.rotation * jacobian(&(back * (position_m - self.shift_m)), &(back * velocity_mps))
+        self.rotation * jacobian(&self.from_centre(position_m), &(back * velocity_mps))
     }
 
-    /// Where the site stands, in the axes of the centre; m.
-    pub fn place_m(&self) -> Vector3<f64> {
-        self.shift_m
+    /// A position in the axes of the centre, in those of the site; m.
+    pub fn from_centre(&self, position_m: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.transpose() * (position_m - self.shift_m)
     }
 }

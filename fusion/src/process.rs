@@ -64,7 +64,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             feed.take_waiting(site, limit_ns, &mut stage.fusion)?;
         }
         pacing.stopping = stop_requested();
-        pacing.find_out_of_step(&mut feeds, &others);
+        pacing.find_out_of_step(&mut feeds, &others, &mut stage.fusion);
         if stage.next.is_none() {
             stage.begin(&feeds, &pacing);
         }
@@ -74,7 +74,7 @@ pub fn run(args: &StageArgs) -> anyhow::Result<ExitCode> {
             let heard = feeds.iter().zip(&others).map(|(feed, site)| Heard {
                 name: &site.site.name,
                 scan_period_s: site.scan_period_s(),
-                is_in_time: feed.has_passed(now_ns) || feed.is_out_of_step || pacing.has_ended(feed),
+                is_in_time: feed.has_passed(now_ns) || feed.is_out_of_step() || pacing.has_ended(feed),
             });
             for remark in remarks.look(now_ns, &stage.fusion, heard) {
                 match remark {
@@ -133,10 +133,16 @@ fn settings(chain: &ChainConfig) -> Settings {
 /// A site as the fusion sees it.
 fn site(config: &ChainConfig, centre: &Position, fusion: &FusionConfig) -> Site {
     let radar = &config.radar;
-    let simulated_m = radar.range_first_m + f64::from(radar.ranges) * radar.range_step_m;
+    let beam_rad = |number: f64| (radar.elevation_first_deg + number * radar.elevation_step_deg).to_radians();
+    // Half a step beyond the centres of the outermost cells and beams.
+    let simulated_m = [-0.5, f64::from(radar.ranges) - 0.5].map(|cell| radar.range_first_m + cell * radar.range_step_m);
+    let simulated_rad = [-0.5, f64::from(radar.elevations) - 0.5].map(beam_rad);
+    let is_simulated = config.run.source == Source::RadarSim;
     Site {
         position: config.site.position.unwrap_or(*centre),
-        range_m: if config.run.source == Source::RadarSim { simulated_m } else { fusion.range_m },
+        range_m: if is_simulated { simulated_m } else { [0.0, fusion.range_m] },
+        // A single broad beam measures no elevation; of other radars nothing is known.
+        elevation_rad: if is_simulated && radar.elevations > 1 { simulated_rad } else { Site::ALL_ELEVATIONS_RAD },
         period_s: config.scan_period_s(),
         bias: Bias::new(
             fusion.range_bias_m,
@@ -210,10 +216,10 @@ impl Stage {
 
     /// Sets the time of the first cycle once all sites have been heard that are waited for.
     fn begin(&mut self, feeds: &[Feed], pacing: &Pacing) {
-        let first_ns = feeds.iter().filter(|feed| !feed.is_out_of_step).filter_map(Feed::first_ns).min();
+        let first_ns = feeds.iter().filter(|feed| !feed.is_out_of_step()).filter_map(Feed::first_ns).min();
         let all = feeds.iter().all(|feed| feed.first_ns().is_some() || pacing.has_ended(feed));
         if let Some(first_ns) = first_ns
-            && (all || pacing.is_overdue(first_ns, feeds))
+            && (all || pacing.is_overdue(first_ns))
         {
             let start_ns = self.start_ns.unwrap_or(first_ns / self.cycle_ns * self.cycle_ns);
             self.start_ns = Some(start_ns);

@@ -52,11 +52,23 @@ pub(crate) struct Remarks {
 struct Said {
     before: Counts,
     is_wrong: [bool; KINDS],
+    /// Since the last look: cycles, those of them in which not everything was there, and local tracks summed over them.
+    cycles: u32,
+    late: u32,
+    tracks: usize,
+}
+
+impl Said {
+    fn note(&mut self, tracks: usize, is_in_time: bool) {
+        self.cycles += 1;
+        self.late += u32::from(!is_in_time);
+        self.tracks += tracks;
+    }
 }
 
 impl Remarks {
-    /// Looks at what has become of the sites' reports up to `now_ns`, measurement time; what has changed since the last look, if that was
-    /// some time ago.
+    /// Notes how the sites are in the cycle that ends at `now_ns`, measurement time, and looks at what has become of their reports; what has
+    /// changed since the last look, if that was some time ago.
     pub(crate) fn look<'a>(
         &mut self,
         now_ns: u64,
@@ -64,18 +76,21 @@ impl Remarks {
         sites: impl Iterator<Item = Heard<'a>>,
     ) -> Vec<Remark> {
         let mut remarks = Vec::new();
-        let passed_s = self.looked_ns.map_or(f64::INFINITY, |looked_ns| seconds_between(looked_ns, now_ns));
-        if passed_s < LOOK_S {
-            return remarks;
+        let passed_s = seconds_between(*self.looked_ns.get_or_insert(now_ns), now_ns);
+        let is_time = passed_s >= LOOK_S;
+        if is_time {
+            self.looked_ns = Some(now_ns);
         }
-        self.looked_ns = Some(now_ns);
         for (number, site) in sites.enumerate() {
             if self.sites.len() <= number {
                 self.sites.push(Said::default());
             }
+            self.sites[number].note(fusion.local_tracks(number), site.is_in_time);
+            if !is_time {
+                continue;
+            }
             let (said, name) = (&mut self.sites[number], site.name);
             let (counts, before) = (fusion.counts(number), said.before);
-            said.before = counts;
             if counts.realigned > before.realigned {
                 let bias = fusion.registration().bias(number);
                 remarks.push(Remark::Wrong(format!(
@@ -88,12 +103,13 @@ impl Remarks {
             }
             let taken = counts.taken() - before.taken();
             let many = |of: u64| taken >= FEWEST && of as f64 > SHARE * taken as f64;
-            let expected = fusion.local_tracks(number) as f64 * passed_s / site.scan_period_s;
+            let expected = said.tracks as f64 / f64::from(said.cycles) * passed_s / site.scan_period_s;
             let is_wrong = [
                 fusion.matches_nobody(number) || many(counts.kept_out - before.kept_out),
                 many(counts.repeated - before.repeated),
-                taken >= FEWEST && taken as f64 > OFTEN * expected,
-                !site.is_in_time,
+                // What was late comes all at once.
+                said.late == 0 && taken >= FEWEST && taken as f64 > OFTEN * expected,
+                2 * said.late > said.cycles,
             ];
             for (kind, what) in SAYS_WHAT.iter().enumerate() {
                 match (said.is_wrong[kind], is_wrong[kind]) {
@@ -102,7 +118,7 @@ impl Remarks {
                     _ => {}
                 }
             }
-            said.is_wrong = is_wrong;
+            *said = Said { before: counts, is_wrong, ..Said::default() };
         }
         remarks
     }
@@ -196,5 +212,41 @@ mod tests {
             )
         };
         assert_eq!([look(100, true), look(110, false), look(120, false), look(130, true)].concat(), once(SAYS_WHAT[3]));
+    }
+
+    /// What is said of site 1 of three with 60 targets in some minutes of cycles of 1 s, with turns of 5 s; `speaks` says in which of them what
+    /// it has reported comes, `is_in_time` in which everything is there.
+    fn said_of_late(speaks: impl Fn(u32) -> bool, is_in_time: impl Fn(u32) -> bool) -> Vec<Remark> {
+        let mut world = World::new(Scenario { cycle_s: 1.0, ..Scenario::circle(&EQUAL[..3], 60, 1) }, 2);
+        let mut fusion = world.fusion(Bias::zeros(), Settings::default());
+        let (mut remarks, mut said, mut held_back) = (Remarks::default(), Vec::new(), Vec::new());
+        for cycle in 0..200 {
+            world.advance(|site, report| {
+                if site == 1 {
+                    held_back.push(report);
+                } else {
+                    fusion.take(site, &report, report.time_ns);
+                }
+            });
+            if speaks(cycle) {
+                held_back.drain(..).for_each(|report| fusion.take(1, &report, report.time_ns));
+            }
+            fusion.cycle(world.time_ns());
+            let sites = [("west", true), ("east", is_in_time(cycle)), ("south", true)];
+            let heard = sites.map(|(name, is_in_time)| Heard { name, scan_period_s: 5.0, is_in_time });
+            said.extend(remarks.look(world.time_ns(), &fusion, heard.into_iter()));
+        }
+        said
+    }
+
+    #[test]
+    fn a_site_that_was_silent_is_not_said_to_report_too_often() {
+        let is_silent = |cycle: u32| (60..103).contains(&cycle);
+        assert_eq!(said_of_late(|cycle| !is_silent(cycle), |cycle| !is_silent(cycle)), once(SAYS_WHAT[3]));
+    }
+
+    #[test]
+    fn a_late_cycle_now_and_then_is_nothing_to_speak_of() {
+        assert_eq!(said_of_late(|_| true, |cycle| cycle % 5 > 1), []);
     }
 }

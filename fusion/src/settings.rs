@@ -1,5 +1,7 @@
 //! What the fusion is told: tuning, and the sites.
 
+use std::f64::consts::FRAC_PI_2;
+
 use common::geodesy::Position;
 
 use crate::motion::Motion;
@@ -55,12 +57,19 @@ impl Default for Settings {
 pub struct Site {
     /// Where its antenna stands.
     pub position: Position,
-    /// Greatest range, m.
-    pub range_m: f64,
+    /// Least and greatest range, m.
+    pub range_m: [f64; 2],
+    /// Least and greatest elevation, rad.
+    pub elevation_rad: [f64; 2],
     /// Time of a turn, s.
     pub period_s: f64,
     /// Standard deviations of its biases of range, azimuth, elevation and time; m, rad, rad, s; 0 for what has none.
     pub bias: Bias,
+}
+
+impl Site {
+    /// The whole sphere of elevations, rad.
+    pub const ALL_ELEVATIONS_RAD: [f64; 2] = [-FRAC_PI_2, FRAC_PI_2];
 }
 
 /// What has become of reports, by site.

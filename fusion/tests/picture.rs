@@ -78,3 +78,24 @@ fn members_of_formations_are_told_apart() {
     }
     assert!(f64::from(perfect) >= 0.98 * f64::from(targets), "{perfect} of {targets}");
 }
+
+/// Targets, half of them in formations and seen with turns of 12 s, that have had more than one number, with cycles of this length.
+fn renumbered(cycle_s: f64) -> usize {
+    let of_seed = |seed| {
+        let mut scenario =
+            Scenario::circle(&EQUAL[..3], 100, seed).with_biases(&usual_bias(), 50 + seed).with_formations(90 + seed);
+        scenario.cycle_s = cycle_s;
+        scenario.radars.iter_mut().for_each(|radar| radar.period_s = 12.0);
+        let mut world = World::new(scenario, 7);
+        let mut fusion = world.fusion(usual_bias(), Settings::default());
+        run(&mut world, &mut fusion, 0, (480.0 / cycle_s) as u32).0.renumbered()
+    };
+    (1..4).map(of_seed).sum()
+}
+
+/// Many cycles on the same reports decide nothing that few would not.
+#[test]
+fn targets_keep_their_numbers_however_short_the_cycle_is() {
+    let (often, seldom) = (renumbered(1.0), renumbered(12.0));
+    assert!(often <= 2 * seldom, "{often} with cycles of 1 s, {seldom} with cycles of a turn");
+}

@@ -134,9 +134,52 @@ fn a_site_that_is_switched_off_leaves_the_picture_to_the_others() {
     assert_right(&fusion, 2);
 }
 
+/// A site at the centre with these limits of range and elevation.
+fn radar(range_m: [f64; 2], elevation_rad: [f64; 2]) -> Site {
+    Site { position: CENTRE, range_m, elevation_rad, period_s: 5.0, bias: Bias::zeros() }
+}
+
+/// For how long a system track lives, s, after a site that goes on without it or falls silent has reported a target 100 m north and 300 m up for the last time.
+fn lives_s(site: Site, goes_on: bool) -> u32 {
+    let mut fusion = Fusion::new(&CENTRE, &[site], Settings::default());
+    let s = |seconds: u32| (1000 + u64::from(seconds)) * 1_000_000_000;
+    let mean = Vector::new(0.0, 100.0, 300.0, 0.0, 0.0, 0.0);
+    let posterior = Gaussian { mean, covariance: Matrix::identity() };
+    let report = Report { id: 1, time_ns: s(0), posterior, prediction: None, confirmed: true, ended: false };
+    fusion.take(0, &report, s(0));
+    fusion.cycle(s(0));
+    fusion.take(0, &Report { time_ns: s(1), ended: goes_on, ..report }, s(1));
+    for cycle in 1..1000 {
+        if goes_on {
+            fusion.hear(0, s(cycle));
+        }
+        fusion.cycle(s(cycle));
+        if fusion.system_tracks().all(|system| system.ended) {
+            return cycle;
+        }
+    }
+    panic!("it never ends");
+}
+
+#[test]
+fn what_no_radar_can_see_now_lives_longer() {
+    let settings = Settings::default();
+    let (all_m, all_rad) = ([0.0, 1e5], Site::ALL_ELEVATIONS_RAD);
+    let is_about = |lives_s: u32, expected_s: f64| (f64::from(lives_s) - expected_s).abs() <= 2.0;
+    assert!(is_about(lives_s(radar(all_m, all_rad), true), settings.coast_s));
+    for (what, site, goes_on) in [
+        ("above the beams", radar(all_m, [0.0, 20.0 * DEGREE]), true),
+        ("nearer than the first range", radar([500.0, 1e5], all_rad), true),
+        ("farther than the last", radar([0.0, 200.0], all_rad), true),
+        ("silent", radar(all_m, all_rad), false),
+    ] {
+        assert!(is_about(lives_s(site, goes_on), settings.hidden_s), "{what}: {}", lives_s(site, goes_on));
+    }
+}
+
 #[test]
 fn what_is_no_estimate_or_of_another_time_is_refused_and_counted() {
-    let site = Site { position: CENTRE, range_m: 1e5, period_s: 5.0, bias: Bias::zeros() };
+    let site = radar([0.0, 1e5], Site::ALL_ELEVATIONS_RAD);
     let mut fusion = Fusion::new(&CENTRE, &[site], Settings::default());
     let s = |seconds: u64| seconds * 1_000_000_000;
     let good = Report {

@@ -13,7 +13,7 @@ pub struct FusionConfig {
     pub cycle_s: f64,
     /// Sectors about the centre that the tracks of a cycle are published in.
     pub sectors: u32,
-    /// In real time, how far a site may be behind the one that is farthest before a cycle goes without it, measurement time, s. In lossless
+    /// In real time, how far a site may be behind the clock of most before a cycle goes without it, measurement time, s. In lossless
     /// mode all wait for all.
     pub wait_s: f64,
     /// Greatest range of sites that do not say theirs, m.

@@ -137,7 +137,13 @@ fn sites(scenario: &Scenario, misplaced_m: f64, bias: Bias, seed: u64) -> Vec<Si
     let site = |radar: &Radar| {
         let away_m = [(); 2].map(|()| misplaced_m * normal(&mut rng));
         let position = Radar::near(&radar.position, away_m, radar.sigma, radar.period_s).position;
-        Site { position, range_m: radar.range_m, period_s: radar.period_s, bias }
+        Site {
+            position,
+            range_m: [0.0, radar.range_m],
+            elevation_rad: Site::ALL_ELEVATIONS_RAD,
+            period_s: radar.period_s,
+            bias,
+        }
     };
     scenario.radars.iter().map(site).collect()
 }

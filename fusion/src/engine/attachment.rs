@@ -14,7 +14,7 @@ impl Fusion {
         let places = 0..self.locals.len() as u32;
         let to_decide = places.filter(|&place| {
             let local = &self.locals[place as usize];
-            local.alive && local.confirmed.is_some() && self.is_alone(place)
+            local.alive && local.looks > 0 && self.is_alone(place)
         });
         open.extend(to_decide.map(|place| {
             let local = &self.locals[place as usize];
@@ -54,17 +54,18 @@ impl Fusion {
             let contested = candidates.iter().any(|of| of.row == row as u32);
             let local = &mut self.locals[place as usize];
             if let Some(column) = column {
-                local.alone = 0;
                 let system = self.systems[column as usize].id;
-                let choice = Decision::again(local.choice, system, self.cycles, 1);
+                let choice = Decision::again(local.choice, Some(system), self.cycles, 1, local.time_ns);
                 local.choice = Some(choice);
                 let eager = self.sites[self.locals[place as usize].site as usize].alignment.is_eager(self.cycles);
                 if choice.count >= self.settings.attach_after || eager {
                     self.move_to(place, column);
                 }
             } else if local.system.is_none() {
-                local.alone += 1;
-                if !contested || local.alone >= self.settings.attach_after {
+                let choice = Decision::again(local.choice, None, self.cycles, 1, local.time_ns);
+                local.choice = Some(choice);
+                let is_sure = !contested || choice.count >= self.settings.attach_after;
+                if is_sure && !self.is_held_back(place) {
                     self.start(place);
                 }
             }

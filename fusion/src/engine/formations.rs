@@ -72,8 +72,10 @@ impl Fusion {
         for (&(_, _, place), column) in open.iter().zip(assigned) {
             let local = &mut self.locals[place as usize];
             let better = column.filter(|&column| local.system != Some(column));
-            local.choice =
-                better.map(|column| Decision::again(local.choice, self.systems[column as usize].id, self.cycles, 1));
+            local.choice = better.map(|column| {
+                let system = self.systems[column as usize].id;
+                Decision::again(local.choice, Some(system), self.cycles, 1, local.time_ns)
+            });
             let sure = local.choice.is_some_and(|choice| choice.count >= self.settings.exchange_after);
             moves.extend(better.filter(|_| sure).map(|column| (place, column)));
         }

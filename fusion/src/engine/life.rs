@@ -19,9 +19,9 @@ impl Fusion {
             time_ns: 0,
             estimate: Gaussian { mean: Vector::zeros(), covariance: Matrix::identity() },
             system: None,
-            confirmed: None,
+            looks: 0,
+            heard: 0,
             choice: None,
-            alone: 0,
             doubts: 0,
             misfit: 0.0,
             alive: true,
@@ -45,8 +45,10 @@ impl Fusion {
         self.free_locals.push(place);
     }
 
-    /// Ends all tracks of a site: its tracker has begun anew, with other tracks.
+    /// Ends all tracks of a site, those too whose reports still wait: its tracker has begun anew, with other tracks.
     pub fn forget(&mut self, site: usize) {
+        self.waiting.retain(|of| usize::from(of.site) != site);
+        self.sites[site].told_ns = 0;
         let mut places: Vec<u32> = self.sites[site].by_id.values().copied().collect();
         places.sort_unstable(); // so that places are free in an order that does not depend on the hash
         for place in places {
@@ -54,12 +56,12 @@ impl Fusion {
         }
     }
 
-    /// Ends the local tracks of which nothing has been heard for long.
+    /// Ends the local tracks of which nothing has been heard for long by the clock of their site, which may be wrong.
     pub(super) fn end_silent(&mut self, now_ns: u64) {
         for place in 0..self.locals.len() {
             let local = &self.locals[place];
-            let patience_s = self.settings.silent_periods * self.sites[local.site as usize].site.period_s;
-            if local.alive && seconds_between(local.time_ns, now_ns) > patience_s {
+            let of = &self.sites[local.site as usize];
+            if local.alive && of.age_s(local.time_ns, now_ns) > self.settings.silent_periods * of.site.period_s {
                 self.end_local(place as u32);
             }
         }
@@ -68,7 +70,7 @@ impl Fusion {
     pub(super) fn attach_to(&mut self, place: u32, system: u32) {
         let local = &mut self.locals[place as usize];
         local.system = Some(system);
-        (local.choice, local.alone, local.doubts) = (None, 0, 0);
+        (local.choice, local.doubts) = (None, 0);
         let system = &mut self.systems[system as usize];
         system.contributors.push(Contributor { site: local.site, local: place, id: local.id });
         system.alone_since_ns = None;
@@ -76,7 +78,7 @@ impl Fusion {
 
     pub(super) fn detach(&mut self, place: u32) {
         let local = &mut self.locals[place as usize];
-        (local.choice, local.alone, local.doubts) = (None, 0, 0);
+        (local.choice, local.doubts) = (None, 0);
         if let Some(system) = local.system.take() {
             let system = &mut self.systems[system as usize];
             system.contributors.retain(|of| of.local != place);
@@ -122,7 +124,10 @@ impl Fusion {
                 None => (0, false),
                 Some(since_ns) => {
                     let here = self.system_at(system, now_ns).position();
-                    let seen = self.sites.iter().any(|of| of.sees(&here));
+                    let seen = self.sites.iter().any(|of| {
+                        let is_heard = of.silent_s(now_ns) <= self.settings.silent_periods * of.site.period_s;
+                        is_heard && of.sees(&here)
+                    });
                     let patience_s = if seen { self.settings.coast_s } else { self.settings.hidden_s };
                     (system.coasting + 1, system.merged || seconds_between(since_ns, now_ns) > patience_s)
                 }

@@ -10,7 +10,7 @@ use crate::gross_bias::{ANY, Pair, explain, votes_without};
 use crate::registration::{BIASES, Bias};
 
 /// Fewest tracks that a site is judged by.
-const FEWEST: usize = 4;
+const FEWEST: usize = 3;
 /// Reports of a site in a cycle that are compared with the system tracks before any is absorbed.
 const SAMPLE: usize = 24;
 /// Local tracks of a site that a bias is looked for with.
@@ -29,7 +29,7 @@ const BEYOND: f64 = 5.0;
 const EAGER: u64 = 12;
 /// Reports in a row outside the gate that make a track one of those that match nobody.
 const DOUBTS: u32 = 2;
-/// Most cycles until a search is tried again that has found nothing.
+/// Most cycles until a search is tried again that has found nothing; with fewer tracks, which are soon gone through, as many as there are.
 const LONGEST_WAIT: u64 = 64;
 
 /// What is known of how a site matches the others.
@@ -42,6 +42,8 @@ pub(super) struct Alignment {
     is_off: bool,
     /// Whether most of its tracks match nobody.
     pub(super) matches_nobody: bool,
+    /// Whether its tracks begin no system tracks where other sites see: it alone matches nobody, and they miss it.
+    is_held_back: bool,
     /// Cycle in which it was last brought back.
     brought_back: Option<u64>,
     /// Cycle before which no bias is looked for.
@@ -134,13 +136,15 @@ impl Fusion {
             let alignment = &mut self.sites[site].alignment;
             alignment.matches_nobody = matches_nobody;
             if !matches_nobody {
-                (alignment.wait, alignment.search_from) = (0, 0);
+                (alignment.wait, alignment.search_from, alignment.is_held_back) = (0, 0, false);
                 continue;
             }
+            self.hold_back(site as u16, &lonely, now_ns);
+            let alignment = &mut self.sites[site].alignment;
             if self.cycles < alignment.search_from {
                 continue;
             }
-            alignment.wait = (2 * alignment.wait).clamp(1, LONGEST_WAIT);
+            alignment.wait = (2 * alignment.wait).clamp(1, LONGEST_WAIT.min(lonely.len() as u64));
             alignment.search_from = self.cycles + alignment.wait;
             if !is_filled {
                 self.fill_grid(now_ns);
@@ -154,15 +158,14 @@ impl Fusion {
         self.lonely = lonely;
     }
 
-    /// The tracks of a site that match nobody, though another site sees there and there was time to find each other; whether they are most of
-    /// its tracks.
+    /// The tracks of a site that match nobody, though another site sees there and there was time to find each other; whether they are at
+    /// least half of its tracks.
     fn find_lonely(&self, site: u16, lonely: &mut Vec<u32>) -> bool {
         lonely.clear();
         let mut shared = 0;
         for &place in self.sites[site as usize].by_id.values() {
             let local = &self.locals[place as usize];
-            let Some(since) = local.confirmed else { continue };
-            if self.cycles <= since + u64::from(self.settings.attach_after) + 1 {
+            if local.looks <= self.settings.attach_after + 1 {
                 continue;
             }
             if self.is_alone(place) || local.doubts >= DOUBTS {
@@ -174,7 +177,33 @@ impl Fusion {
             }
         }
         lonely.sort_unstable(); // in an order that does not depend on the hash
-        lonely.len() >= FEWEST && lonely.len() > shared
+        lonely.len() >= FEWEST && lonely.len() >= shared
+    }
+
+    /// Ends the system tracks that a site has made alone of `lonely` tracks, where it is the one that is wrong: most sites match each other,
+    /// and about as many system tracks of theirs that the site should see have no track of it.
+    fn hold_back(&mut self, site: u16, lonely: &[u32], now_ns: u64) {
+        let with_tracks = self.sites.iter().filter(|of| !of.by_id.is_empty()).count();
+        let wrong = self.sites.iter().filter(|of| of.alignment.matches_nobody).count();
+        let missed = self.systems.iter().filter(|system| {
+            let is_theirs = system.is_open() && system.contributors.len() > 1 && !system.contributes(site);
+            is_theirs && self.sites[site as usize].sees(&self.system_at(system, now_ns).position())
+        });
+        let is_wrong = 2 * wrong < with_tracks && missed.count() as f64 >= MOST * lonely.len() as f64;
+        self.sites[site as usize].alignment.is_held_back = is_wrong;
+        for &place in lonely.iter().filter(|_| is_wrong) {
+            if let Some(system) = self.locals[place as usize].system.filter(|_| self.is_alone(place)) {
+                self.detach(place);
+                self.systems[system as usize].merged = true;
+            }
+        }
+    }
+
+    /// Whether a local track must not begin a system track: those of its site are wrong, and another site sees there.
+    pub(super) fn is_held_back(&self, place: u32) -> bool {
+        let local = &self.locals[place as usize];
+        let is_held_back = self.sites[local.site as usize].alignment.is_held_back;
+        is_held_back && self.others_that_see(local.site, local).next().is_some()
     }
 
     /// Other sites with tracks in whose reach a local track is.

@@ -30,6 +30,7 @@ mod twins;
 use std::collections::HashMap;
 
 use common::geodesy::Position;
+use common::geometry::Polar;
 use common::units::seconds_between;
 use nalgebra::Vector3;
 
@@ -85,12 +86,38 @@ struct SiteState {
     by_id: HashMap<u64, u32>,
     counts: Counts,
     alignment: Alignment,
+    /// Latest time that it has told of, ns.
+    told_ns: u64,
+    /// The same, but none after the last cycle.
+    known_ns: u64,
+    /// Time of the last cycle in which it told of a later time than before.
+    heard_ns: Option<u64>,
 }
 
 impl SiteState {
-    /// Whether a place, in the axes of the centre, is in its reach.
+    /// Whether a place, in the axes of the centre, is in its reach and in its beams.
     fn sees(&self, at_m: &Vector3<f64>) -> bool {
-        (at_m - self.frame.place_m()).norm() < self.site.range_m
+        let polar = Polar::from_enu(&self.frame.from_centre(at_m));
+        let is_within = |value: f64, [least, greatest]: [f64; 2]| (least..=greatest).contains(&value);
+        is_within(polar.range_m, self.site.range_m) && is_within(polar.elevation_rad, self.site.elevation_rad)
+    }
+
+    /// Notes whether it has told of a later time by the cycle at `now_ns`.
+    fn note_time(&mut self, now_ns: u64) {
+        let known_ns = self.told_ns.min(now_ns);
+        if known_ns > self.known_ns {
+            (self.known_ns, self.heard_ns) = (known_ns, Some(now_ns));
+        }
+    }
+
+    /// For how long it has not been heard, s; infinite if it never was.
+    fn silent_s(&self, now_ns: u64) -> f64 {
+        self.heard_ns.map_or(f64::INFINITY, |heard_ns| seconds_between(heard_ns, now_ns))
+    }
+
+    /// How old what it said at `time_ns` of its own clock is at `now_ns` of the centre's, s.
+    fn age_s(&self, time_ns: u64, now_ns: u64) -> f64 {
+        seconds_between(time_ns, self.known_ns) + self.silent_s(now_ns)
     }
 }
 
@@ -103,12 +130,11 @@ struct Local {
     /// In the axes of the centre, without bias.
     estimate: Gaussian,
     system: Option<u32>,
-    /// Cycle in which its site has first believed in it.
-    confirmed: Option<u64>,
-    /// For the system track of this number.
+    /// Cycles in which its site has told of it since it believes in it, 0 if it does not; and the last of them.
+    looks: u32,
+    heard: u64,
+    /// For a system track, or for none of those within the gate.
     choice: Option<Decision>,
-    /// Decisions in a row for none of those within the gate.
-    alone: u32,
     /// Reports in a row outside the gate of its system track, and the last χ².
     doubts: u32,
     misfit: f64,
@@ -124,6 +150,9 @@ impl Fusion {
             by_id: HashMap::new(),
             counts: Counts::default(),
             alignment: Alignment::default(),
+            told_ns: 0,
+            known_ns: 0,
+            heard_ns: None,
         };
         let biases: Vec<Bias> = sites.iter().map(|site| site.bias).collect();
         Self {
@@ -179,6 +208,7 @@ impl Fusion {
     /// Works the reports that have come, and decides; [`Fusion::system_tracks`] are those at `now_ns` from then on.
     pub fn cycle(&mut self, now_ns: u64) {
         self.free_ended();
+        self.sites.iter_mut().for_each(|of| of.note_time(now_ns));
         self.absorb_reports(now_ns);
         let step_s = seconds_between(self.now_ns.unwrap_or(now_ns), now_ns);
         self.now_ns = Some(now_ns);

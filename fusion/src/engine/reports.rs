@@ -16,6 +16,20 @@ pub(super) struct Waiting {
 }
 
 impl Fusion {
+    /// Notes that a site has told all that it sees up to `time_ns`, measurement time, be it nothing.
+    pub fn hear(&mut self, site: usize, time_ns: u64) {
+        // A time that is far from this one is a clock that is wrong.
+        if self.now_ns.is_none_or(|now_ns| seconds_between(now_ns, time_ns).abs() <= self.settings.patience_s) {
+            let of = &mut self.sites[site];
+            of.told_ns = of.told_ns.max(time_ns);
+        }
+    }
+
+    /// Counts reports of a site that are not taken, since its clock is wrong.
+    pub fn refuse(&mut self, site: usize, reports: usize) {
+        self.sites[site].counts.untimely += reports as u64;
+    }
+
     /// Takes a report that a site has made at `made_ns`, measurement time: it is worked in the first cycle that ends then or later.
     pub fn take(&mut self, site: usize, report: &Report, made_ns: u64) {
         // A clock that is wrong would have reports wait for ever, and a system track predicted to a time that is not yet.
@@ -24,13 +38,13 @@ impl Fusion {
         let is_timely = self.now_ns.is_none_or(|now_ns| within(now_ns, made_ns))
             && seconds_between(made_ns, report.time_ns) <= self.sites[site].site.period_s
             && within(made_ns, report.time_ns);
-        let counts = &mut self.sites[site].counts;
         if !report.posterior.is_sound() {
-            counts.unsound += 1;
+            self.sites[site].counts.unsound += 1;
         } else if is_timely {
+            self.hear(site, made_ns);
             self.waiting.push(Waiting { made_ns, site: site as u16, report: *report });
         } else {
-            counts.untimely += 1;
+            self.sites[site].counts.untimely += 1;
         }
     }
 
@@ -64,7 +78,9 @@ impl Fusion {
         let frame = of_site.frame;
         let posterior = frame.to_centre(&report.posterior, &bias);
         (local.time_ns, local.estimate) = (report.time_ns, posterior);
-        local.confirmed = report.confirmed.then(|| local.confirmed.unwrap_or(self.cycles));
+        let is_new = local.looks == 0 || local.heard != self.cycles;
+        local.looks = if report.confirmed { local.looks + u32::from(is_new) } else { 0 };
+        local.heard = self.cycles;
         if let Some(index) = local.system {
             let motion = self.motion;
             let system = &mut self.systems[index as usize];

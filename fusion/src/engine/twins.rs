@@ -11,14 +11,19 @@ impl Fusion {
     pub(super) fn merge_twins(&mut self, now_ns: u64) {
         for index in ((self.cycles % EVERY) as usize..self.systems.len()).step_by(EVERY as usize) {
             let twin = self.nearest_twin(index as u32, now_ns);
-            let id = twin.map(|twin| self.systems[twin as usize].id);
+            let other = twin.map(|twin| &self.systems[twin as usize]);
+            let system = &self.systems[index];
+            let decision = other.map(|other| {
+                let data_ns = system.time_ns.max(other.time_ns);
+                Decision::again(system.twin, Some(other.id), self.cycles, EVERY, data_ns)
+            });
             let system = &mut self.systems[index];
-            system.twin = id.map(|id| Decision::again(system.twin, id, self.cycles, EVERY));
+            system.twin = decision;
             let sure = system.twin.is_some_and(|of| of.count >= self.settings.attach_after);
             let own = system.id;
             if let Some(twin) = twin.filter(|_| sure) {
                 let other = &self.systems[twin as usize];
-                if own < other.id && other.twin.is_some_and(|of| of.system == own) {
+                if own < other.id && other.twin.is_some_and(|of| of.system == Some(own)) {
                     self.merge(index as u32, twin);
                 }
             }

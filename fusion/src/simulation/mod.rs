@@ -75,8 +75,13 @@ impl World {
 
     /// A fusion for these radars, of whose biases only the standard deviations are known.
     pub fn fusion(&self, bias: Bias, settings: Settings) -> Fusion {
-        let site =
-            |radar: &Radar| Site { position: radar.position, range_m: radar.range_m, period_s: radar.period_s, bias };
+        let site = |radar: &Radar| Site {
+            position: radar.position,
+            range_m: [0.0, radar.range_m],
+            elevation_rad: Site::ALL_ELEVATIONS_RAD,
+            period_s: radar.period_s,
+            bias,
+        };
         let sites: Vec<Site> = self.scenario.radars.iter().map(site).collect();
         Fusion::new(&self.scenario.centre, &sites, settings)
     }
@@ -90,6 +95,12 @@ impl World {
     pub fn spoil(&mut self, radar: usize, bias: Bias, clock_s: f64) {
         let radar = &mut self.scenario.radars[radar];
         (radar.bias, radar.clock_s) = (bias, clock_s);
+    }
+
+    /// The tracker of a radar begins anew: it knows no track.
+    pub fn begin_anew(&mut self, radar: usize) {
+        let filter = self.scenario.filter;
+        self.tracks[radar].fill(Tracking::new(filter));
     }
 
     /// Time since the beginning, s.
