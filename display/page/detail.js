@@ -4,6 +4,7 @@ import { Chart } from "./chart.js";
 import { element, setText, Table } from "./element.js";
 import { angle, clock, distance, micros, number, percent, quantity, words } from "./format.js";
 import { hopsOf } from "./latency.js";
+import { nameOf } from "./list.js";
 import { STATES } from "./picture.js";
 
 const AXES = [["x", "East"], ["y", "North"], ["z", "Up"]];
@@ -43,8 +44,8 @@ export class Detail {
     this.section.hidden = !track;
     if (!track) return;
     const { sites } = this.scene.picture;
-    setText(this.title, `Track ${sites.size > 1 ? `${track.site} ` : ""}${track.label || track.id}`);
-    const gone = !this.scene.picture.tracks.has(track.key);
+    setText(this.title, `Track ${nameOf(track, sites.size > 1)}`);
+    const gone = !this.scene.picture.find(track.key);
     const state = gone ? "ended" : STATES[track.state];
     setText(this.life, state);
     this.life.dataset.state = state;
@@ -70,7 +71,7 @@ export class Detail {
       "Missed in a row": number(track.misses),
       Age: quantity(track.age_scans, "scans"),
       Updated: clock(track.time_s, 2),
-      Site: track.site,
+      [track.site ? "Site" : "Sites"]: track.site || `${track.made_of.join(", ") || "none now"} (${track.sites === 1 ? "1 track" : `${track.sites} tracks`})`,
     });
   }
 
@@ -190,6 +191,7 @@ class Facts {
   }
 
   update(facts) {
+    for (const [name, value] of this.values) value.parentElement.hidden = !(name in facts);
     for (const [name, text] of Object.entries(facts)) {
       let value = this.values.get(name);
       if (!value) {

@@ -29,7 +29,6 @@ use common::time::monotonic_ns;
 use common::tracks::{Track, TracksHeader};
 use common::turning::Turning;
 use serde::Serialize;
-use serde_json::Value;
 
 use crate::picture::Picture;
 use crate::picture::events::EventLog;
@@ -40,6 +39,7 @@ use crate::wire::clutter::{MAPS, MapRow, MapsHead};
 use crate::wire::columns::{Column, binary, json, text};
 use crate::wire::explain::TrackMessage;
 use crate::wire::hello::{Chain, Extent, Hello};
+use crate::wire::notices::{HealthMessage, Reset};
 use crate::wire::operator::OperatorMessage;
 use crate::wire::plots::{PLOTS, PlotRow, PlotsHead};
 use crate::wire::requests::{Encoding, Playback, Want};
@@ -69,14 +69,6 @@ pub struct Served {
     told: Mutex<Option<Instant>>,
     recording: Option<(Extent, Player)>,
     operators: Operators,
-}
-
-/// `health`: what the processes say.
-#[derive(Serialize)]
-struct HealthMessage {
-    r#type: &'static str,
-    time_s: f64,
-    status: Value,
 }
 
 impl Served {
@@ -225,7 +217,7 @@ impl Served {
 
     /// Puts the whole picture into the queue of a viewer, after word that it begins anew.
     fn show_all(picture: &Picture, state: &mut State) {
-        state.push_always(Message::Text(r#"{"type":"reset"}"#.into()));
+        state.push_always(Message::Text(text(&Reset::default()).into()));
         Self::tell_operators(picture, state);
         Self::show(picture, state, &Want::default());
         if let Some((site, id)) = state.follow
@@ -312,7 +304,7 @@ impl Served {
 }
 
 fn health_text(picture: &Picture) -> String {
-    text(&HealthMessage { r#type: "health", time_s: picture.time_s(), status: status::to_json(&picture.board) })
+    text(&HealthMessage::new(picture.time_s(), status::to_json(&picture.board)))
 }
 
 /// A track, explained now.
@@ -327,7 +319,7 @@ fn tracks_message<'a>(
     tracks: impl Iterator<Item = &'a Track>,
     taken_ns: u64,
 ) -> Message {
-    let rows: Vec<_> = tracks.map(|track| TrackRow::new(track, &site.place)).collect();
+    let rows: Vec<_> = tracks.map(|track| TrackRow::new(track, site)).collect();
     let stamps = StampsUs::new(&header.stamps, taken_ns, if taken_ns == 0 { 0 } else { monotonic_ns() });
     table(encoding, &TracksHead::new(&site.name, header, stamps), &TRACKS, &rows)
 }

@@ -9,7 +9,6 @@ use common::message::END_OF_SCAN;
 use common::recording::Recorded;
 use common::topic::Topic;
 use common::units::NS_PER_S;
-use serde::Serialize;
 
 use super::deck::Deck;
 use super::tape::Tape;
@@ -17,6 +16,7 @@ use crate::picture::Picture;
 use crate::picture::events::EventLog;
 use crate::picture::video::Gatherer;
 use crate::serve::Served;
+use crate::wire::notices::TimeMessage;
 use crate::wire::requests::{Playback, Step};
 
 /// Between two looks at the clock while playing.
@@ -40,15 +40,6 @@ pub(super) enum Order {
     Viewer(Playback),
     /// All events of the recording are known, and what operators have done, site by site.
     Events(EventLog, Vec<(usize, Recorded)>),
-}
-
-/// `time`: where the recording stands.
-#[derive(Serialize)]
-struct TimeMessage {
-    r#type: &'static str,
-    at_s: f64,
-    playing: bool,
-    rate: f64,
 }
 
 /// Plays.
@@ -250,6 +241,6 @@ impl Player {
 
     fn tell(&self) {
         let (at_s, playing) = (self.at_ns as f64 / NS_PER_S, self.since.is_some());
-        self.served.say(&TimeMessage { r#type: "time", at_s, playing, rate: self.rate });
+        self.served.say(&TimeMessage::new(at_s, playing, self.rate));
     }
 }
