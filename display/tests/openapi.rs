@@ -460,7 +460,7 @@ fn read_until(viewer: &mut Live, last: &str, seen: &mut BTreeSet<(&'static str, 
 #[test]
 fn messages_are_as_described() {
     let extent = Extent { from_s: 0.0, to_s: 9.0, files: 1 };
-    let (address, served) = start(Served::recording(&sites(), Access::default(), extent, Box::new(|_| ())));
+    let (address, served) = start(Served::recording(&sites(), Access::default(), extent, Box::new(|_| true)));
     let (written, mut seen) = (written(), BTreeSet::new());
     let live = &written["paths"]["/api/v1/live"]["get"]["x-websocket-messages"];
     let schemas = &written["components"]["schemas"];

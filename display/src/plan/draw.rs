@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use common::config::{ChainConfig, Source};
 
 use super::cells::Cells;
+use super::labels::Labels;
 use super::scale::{Scale, distance, round_step};
 use super::sheet::{Anchor, Sheet};
 use super::style::{Mark, Theme};
@@ -25,6 +26,11 @@ const MARGIN: f64 = 40.0;
 const RINGS: f64 = 5.0;
 /// A speed vector ends where its target is after so long, in scans.
 const VECTOR_SCANS: f64 = 10.0;
+
+/// Radius of a confirmed track, px.
+const SYMBOL: f64 = 5.0;
+/// Of the hexagon of a system track, px.
+const HEXAGON: f64 = 9.0;
 
 /// The ways of tracks, by site and number: positions in the picture, m, oldest first.
 pub(super) type Trails = HashMap<(usize, u64), Vec<[f64; 3]>>;
@@ -63,7 +69,36 @@ impl Plan<'_> {
         for (number, site) in self.picture.sites.iter().enumerate() {
             self.site(sheet, &scale, number, site);
         }
+        self.numbers(sheet, &scale);
         self.head(sheet);
+    }
+
+    /// System tracks, and the numbers of all tracks: theirs first, then those of the sites that have no part in them.
+    fn numbers(&self, sheet: &mut dyn Sheet, scale: &Scale) {
+        let mut labels = Labels::new();
+        let font_px = self.theme.style(Mark::Number).font_px;
+        let mut wanted = Vec::new();
+        for site in &self.picture.sites {
+            let living = site.system_tracks.iter().flat_map(|(_, tracks)| tracks).filter(|track| track.ended == 0);
+            for track in living {
+                let at = scale.place(site.place.position_m([track.state[0], track.state[1], track.state[2]]));
+                sheet.line(Mark::System, &hexagon(at));
+                wanted.push((at, format!("S{}", track.id)));
+            }
+        }
+        for site in &self.picture.sites {
+            for (id, of) in site.tracks.iter().filter(|(_, of)| of.track.is_confirmed()) {
+                wanted.push((scale.place(site.place.position_m(of.track.position_m())), id.to_string()));
+            }
+        }
+        for (at, _) in &wanted {
+            labels.reserve(*at, SYMBOL);
+        }
+        for (at, text) in wanted {
+            if let Some(place) = labels.place(at, &text, font_px) {
+                sheet.text(Mark::Number, place, Anchor::Start, &text);
+            }
+        }
     }
 
     /// The farthest that anything shown is from the first radar, m.
@@ -113,8 +148,7 @@ impl Plan<'_> {
             }
             let ahead_m = std::array::from_fn(|axis| from_m[axis] + ahead_s * velocity[axis]);
             sheet.line(Mark::Vector, &[at, scale.place(ahead_m)]);
-            sheet.circle(Mark::Confirmed, at, 5.0);
-            sheet.text(Mark::Number, [at[0] + 9.0, at[1] - 8.0], Anchor::Start, &id.to_string());
+            sheet.circle(Mark::Confirmed, at, SYMBOL);
         }
     }
 
@@ -131,6 +165,14 @@ impl Plan<'_> {
         );
         sheet.text(Mark::Note, [MARGIN, 52.0], Anchor::Start, &legend);
     }
+}
+
+/// The outline of a hexagon about a point, px.
+fn hexagon([x, y]: [f64; 2]) -> [[f64; 2]; 7] {
+    std::array::from_fn(|corner| {
+        let (sin, cos) = (TAU * corner as f64 / 6.0).sin_cos();
+        [x + HEXAGON * cos, y + HEXAGON * sin]
+    })
 }
 
 /// The farthest plot or track of a site, m.

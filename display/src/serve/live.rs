@@ -154,7 +154,8 @@ impl Viewer {
             && wants_more
             && wanted.peek().is_none()
         {
-            player(Playback::Again);
+            // Where too much waits, another picture is on its way.
+            let _ = player(Playback::Again);
         }
         wanted.try_for_each(|wanted| self.play(wanted))
     }
@@ -167,9 +168,9 @@ impl Viewer {
                 return Err(format!("play is {rate}, expected times recorded time, more than 0"));
             }
             Playback::Seek(time_s) if !time_s.is_finite() => return Err("seek is no time".into()),
-            wanted => player(wanted),
+            wanted if player(wanted) => Ok(()),
+            _ => Err("too much waits for the player: try again later".into()),
         }
-        Ok(())
     }
 
     fn complain(&self, error: &str) {

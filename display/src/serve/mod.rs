@@ -56,8 +56,8 @@ pub use server::{bind, serve};
 /// Health is sent about so often.
 const HEALTH: Duration = Duration::from_secs(1);
 
-/// Takes what viewers want of a recording.
-pub type Player = Box<dyn Fn(Playback) + Send + Sync>;
+/// Takes what viewers want of a recording, or says that too much waits already.
+pub type Player = Box<dyn Fn(Playback) -> bool + Send + Sync>;
 
 /// A picture and those who look at it.
 pub struct Served {
@@ -195,15 +195,15 @@ impl Served {
     }
 
     /// Puts another picture in the place of this one, as after a jump in a recording, and shows it to all viewers, with what has led to
-    /// the present picture: `lead` hands it over, message by message. However much that is, viewers get it.
+    /// the present picture: `lead` hands it over, message by message. Of more than viewers have room for, they see the picture alone.
     pub fn replace(&self, other: Picture, lead: impl FnOnce()) {
         let mut picture = self.picture();
         *picture = other;
         self.hub.begin_anew(|state| Self::show_all(&picture, state));
         drop(picture);
-        self.hub.set_each_unbounded(true);
+        self.hub.set_each_led(true);
         lead();
-        self.hub.set_each_unbounded(false);
+        self.hub.set_each_led(false);
     }
 
     /// Gives a viewer that has just come what everybody is told first. The picture is locked before a viewer, everywhere.

@@ -87,18 +87,11 @@ impl Player {
         loop {
             let sleep = if self.since.is_some() { FRAME } else { WORD_AT_REST };
             match orders.recv_timeout(sleep) {
-                Ok(mut order) => {
-                    // Of several pictures that are asked for at once, the last will do.
-                    while matches!(order, Order::Viewer(Playback::Again | Playback::Seek(_)))
-                        && let Ok(next) = orders.try_recv()
-                    {
-                        match next {
-                            Order::Viewer(Playback::Again) => {}
-                            Order::Viewer(Playback::Seek(_)) => order = next,
-                            other => self.obey(std::mem::replace(&mut order, other)),
-                        }
+                Ok(order) => {
+                    let (picture, other) = last_picture(order, orders);
+                    for order in [picture].into_iter().chain(other) {
+                        self.obey(order);
                     }
-                    self.obey(order);
                     self.tell();
                 }
                 Err(RecvTimeoutError::Timeout) if self.since.is_none() => self.tell(), // somebody may have come
@@ -242,5 +235,48 @@ impl Player {
     fn tell(&self) {
         let (at_s, playing) = (self.at_ns as f64 / NS_PER_S, self.since.is_some());
         self.served.say(&TimeMessage::new(at_s, playing, self.rate));
+    }
+}
+
+/// Of several pictures that are asked for one after the other, the last will do; with the order of another kind that ended them. To
+/// show the present time again adds nothing to a jump.
+fn last_picture(mut order: Order, orders: &Receiver<Order>) -> (Order, Option<Order>) {
+    while matches!(order, Order::Viewer(Playback::Again | Playback::Seek(_))) {
+        match orders.try_recv() {
+            Ok(Order::Viewer(Playback::Again)) => {}
+            Ok(next @ Order::Viewer(Playback::Seek(_))) => order = next,
+            Ok(other) => return (order, Some(other)),
+            Err(_) => break,
+        }
+    }
+    (order, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::sync_channel;
+
+    fn wanted(order: Option<Order>) -> Option<Playback> {
+        match order {
+            Some(Order::Viewer(wanted)) => Some(wanted),
+            _ => None,
+        }
+    }
+
+    /// Viewers that ask again and again for more of the present time are shown it once.
+    #[test]
+    fn a_flood_of_requests_for_the_same_picture_is_one() {
+        let (sender, orders) = sync_channel(10_000);
+        let send = |wanted| sender.try_send(Order::Viewer(wanted)).expect("room");
+        (0..4000).for_each(|_| send(Playback::Again));
+        (0..4000).for_each(|second| send(Playback::Seek(f64::from(second))));
+        (0..1000).for_each(|_| send(Playback::Again));
+        send(Playback::Pause);
+        send(Playback::Again);
+        let (picture, other) = last_picture(orders.recv().expect("an order"), &orders);
+        assert_eq!((wanted(Some(picture)), wanted(other)), (Some(Playback::Seek(3999.0)), Some(Playback::Pause)));
+        let (picture, other) = last_picture(orders.recv().expect("an order"), &orders);
+        assert_eq!((wanted(Some(picture)), wanted(other)), (Some(Playback::Again), None));
     }
 }
