@@ -50,7 +50,7 @@ export class Detail {
     setText(this.life, state);
     this.life.dataset.state = state;
     this.#facts(track);
-    this.#state(said);
+    this.#state(said ?? (track.site ? null : ofRow(track)));
     this.#models();
     this.#gate(said);
     this.#errors();
@@ -168,6 +168,12 @@ export class Detail {
     const row = ([name, us]) => [name, [name, micros(us), bar(us / total)]];
     this.hops.update([...hops.map(row), ["all", ["all", micros(total), ""]]]);
   }
+}
+
+/** What its row says of the state of a system track. */
+function ofRow({ x_m, y_m, z_m, vx_mps, vy_mps, vz_mps, var_xx, var_yy, var_zz }) {
+  const sigma = { x: Math.sqrt(var_xx), y: Math.sqrt(var_yy), z: Math.sqrt(var_zz) };
+  return { state: { x: x_m, y: y_m, z: z_m, vx: vx_mps, vy: vy_mps, vz: vz_mps }, sigma };
 }
 
 /** Names of the models in whose gates a plot lay. */

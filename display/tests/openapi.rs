@@ -33,7 +33,7 @@ use display::wire::truth::{SYSTEM_TRACKS, ScanHead, TRUTH};
 use display::wire::video::VideoHead;
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use support::{Live, header_of};
 use tungstenite::Message;
 
@@ -47,7 +47,7 @@ fn row<R>(columns: &[Column<R>]) -> Value {
         Of::F64(_) | Of::F32(_) => json!({"type": ["number", "null"]}),
         Of::Text(_) => json!({"type": ["string", "null"]}),
     };
-    let properties: serde_json::Map<_, _> = columns.iter().map(|column| (column.name.into(), kind(column))).collect();
+    let properties: Map<_, _> = columns.iter().map(|column| (column.name.into(), kind(column))).collect();
     let required: Vec<_> = columns.iter().map(|column| column.name).collect();
     json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
 }
@@ -115,6 +115,16 @@ fn messages(generator: &mut SchemaGenerator) -> (BTreeMap<&'static str, Value>, 
 fn name_of(kind: &str, ending: &str) -> String {
     let words = kind.split('_').map(|word| word[..1].to_uppercase() + &word[1..]);
     words.collect::<String>() + ending
+}
+
+/// Puts schemas of messages among the components; the references to them by the `type` of the message.
+fn named(all: BTreeMap<&str, Value>, ending: &str, schemas: &mut Map<String, Value>) -> Map<String, Value> {
+    let refer = |(kind, schema): (&str, Value)| {
+        let name = name_of(kind, ending);
+        schemas.insert(name.clone(), schema);
+        (kind.to_string(), json!({"$ref": format!("#/components/schemas/{name}")}))
+    };
+    all.into_iter().map(refer).collect()
 }
 
 fn list(of: &str) -> Value {
@@ -191,16 +201,7 @@ fn description() -> Value {
     let (of_text, of_binary) = messages(&mut generator);
     let request = json!(generator.subschema_for::<Request>());
     let mut schemas = generator.take_definitions(true);
-    // By the names under which a program finds them.
-    let mut named = |all: BTreeMap<&str, Value>, ending: &str| {
-        let mut refer = |(kind, schema): (&str, Value)| {
-            let name = name_of(kind, ending);
-            schemas.insert(name.clone(), schema);
-            (kind.to_string(), json!({"$ref": format!("#/components/schemas/{name}")}))
-        };
-        all.into_iter().map(&mut refer).collect::<serde_json::Map<_, _>>()
-    };
-    let (of_text, of_binary) = (named(of_text, "Message"), named(of_binary, "Header"));
+    let (of_text, of_binary) = (named(of_text, "Message", &mut schemas), named(of_binary, "Header", &mut schemas));
     schemas.insert("TruthRow".into(), row(&TRUTH));
     schemas.insert("PlotRow".into(), row(&PLOTS));
     schemas.insert("TrackRow".into(), row(&TRACKS));

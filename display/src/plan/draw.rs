@@ -206,3 +206,44 @@ fn rings(sheet: &mut dyn Sheet, scale: &Scale, range_m: f64) {
         sheet.text(Mark::Scale, [x, y + 4.0], Anchor::Middle, &format!("{degrees:03}°"));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::style::DAY;
+    use super::super::svg::Svg;
+    use super::*;
+    use common::config::{ChainConfig, Sites};
+    use common::messages::RecordedRef;
+    use common::system_tracks::{SystemTrack, SystemTracksHeader};
+    use common::tracks::{CONFIRMED, Track, TracksHeader};
+
+    /// A target that a site tracks and that is a system track: both have their number, at two places.
+    #[test]
+    fn a_system_track_and_its_track_have_numbers_beside_each_other() {
+        let sites = Sites::one(ChainConfig::default());
+        let mut picture = Picture::new(&sites);
+        let mut track = Track { id: 7, known: 6, state_code: CONFIRMED, ..Track::EMPTY };
+        (track.state[0], track.state[3]) = (1000.0, 2000.0);
+        picture.take(0, RecordedRef::Tracks(&TracksHeader::default(), &[track]), 0);
+        let fused = SystemTrack { id: 3, state: [1000.0, 2000.0, 0.0, 0.0, 0.0, 0.0], ..SystemTrack::default() };
+        let ended = SystemTrack { id: 4, ended: 1, ..fused };
+        picture.take(0, RecordedRef::SystemTracks(&SystemTracksHeader::default(), &[fused, ended]), 0);
+        let (trails, cells) = (Trails::new(), [Cells::default()]);
+        let plan = Plan {
+            picture: &picture,
+            sites: sites.all(),
+            trails: &trails,
+            cells: &cells,
+            title: "",
+            range_m: None,
+            theme: DAY,
+        };
+        let mut sheet: Box<dyn Sheet> = Box::new(Svg::new(SIZE[0], SIZE[1], "", &DAY));
+        plan.draw(sheet.as_mut());
+        let text = String::from_utf8(sheet.finish()).expect("text");
+        let numbers: Vec<_> = text.lines().filter(|line| line.contains("class=\"number\"")).collect();
+        assert!(numbers.len() == 2 && numbers[0].contains(">S3<") && numbers[1].contains(">7<"), "{numbers:?}");
+        let place = |line: &str| line.split(" text-anchor").next().map(String::from);
+        assert_ne!(place(numbers[0]), place(numbers[1]));
+    }
+}

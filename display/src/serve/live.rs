@@ -165,9 +165,9 @@ impl Viewer {
             self.served.recording.as_ref().ok_or("this is a running chain, which cannot be moved in time")?;
         match wanted {
             Playback::Play(rate) if !rate.is_finite() || rate <= 0.0 => {
-                return Err(format!("play is {rate}, expected times recorded time, more than 0"));
+                Err(format!("play is {rate}, expected times recorded time, more than 0"))
             }
-            Playback::Seek(time_s) if !time_s.is_finite() => return Err("seek is no time".into()),
+            Playback::Seek(time_s) if !time_s.is_finite() => Err("seek is no time".into()),
             wanted if player(wanted) => Ok(()),
             _ => Err("too much waits for the player: try again later".into()),
         }

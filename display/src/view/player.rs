@@ -257,9 +257,9 @@ mod tests {
     use super::*;
     use std::sync::mpsc::sync_channel;
 
-    fn wanted(order: Option<Order>) -> Option<Playback> {
+    fn wanted(order: Option<&Order>) -> Option<Playback> {
         match order {
-            Some(Order::Viewer(wanted)) => Some(wanted),
+            Some(Order::Viewer(wanted)) => Some(*wanted),
             _ => None,
         }
     }
@@ -275,8 +275,11 @@ mod tests {
         send(Playback::Pause);
         send(Playback::Again);
         let (picture, other) = last_picture(orders.recv().expect("an order"), &orders);
-        assert_eq!((wanted(Some(picture)), wanted(other)), (Some(Playback::Seek(3999.0)), Some(Playback::Pause)));
+        assert_eq!(
+            (wanted(Some(&picture)), wanted(other.as_ref())),
+            (Some(Playback::Seek(3999.0)), Some(Playback::Pause))
+        );
         let (picture, other) = last_picture(orders.recv().expect("an order"), &orders);
-        assert_eq!((wanted(Some(picture)), wanted(other)), (Some(Playback::Again), None));
+        assert_eq!((wanted(Some(&picture)), wanted(other.as_ref())), (Some(Playback::Again), None));
     }
 }

@@ -92,7 +92,7 @@ impl<R> Column<R> {
             Value::U32(value) => rows.iter().for_each(|row| out.extend_from_slice(&value(row).to_le_bytes())),
             Value::U8(value) => out.extend(rows.iter().map(value)),
             Value::Count(value) => {
-                rows.iter().for_each(|row| out.extend(value(row).map_or(f64::NAN, f64::from).to_le_bytes()));
+                rows.iter().map(value).for_each(|of| out.extend(of.map_or(f64::NAN, f64::from).to_le_bytes()));
             }
             Value::Text(_) => {}
         }

@@ -104,7 +104,7 @@ pub const SYSTEM_TRACKS: [Column<SystemRow>; 16] = [
     Column::f32("var_yy", |row| row.covariance_m2[1][1] as f32),
     Column::f32("var_zz", |row| row.covariance_m2[2][2] as f32),
     Column::u32("sites", |row| row.track.contributor_count),
-    Column::u32("site_bits", |row| row.site_bits()),
+    Column::u32("site_bits", SystemRow::site_bits),
     Column::u8("coasting", |row| u8::from(row.track.coasting > 0)),
     Column::u8("ended", |row| u8::from(row.track.ended != 0)),
 ];
