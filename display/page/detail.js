@@ -4,6 +4,7 @@ import { Chart } from "./chart.js";
 import { element, setText, Table } from "./element.js";
 import { angle, clock, distance, micros, number, percent, quantity, words } from "./format.js";
 import { hopsOf } from "./latency.js";
+import { nameOf } from "./list.js";
 import { STATES } from "./picture.js";
 
 const AXES = [["x", "East"], ["y", "North"], ["z", "Up"]];
@@ -43,13 +44,13 @@ export class Detail {
     this.section.hidden = !track;
     if (!track) return;
     const { sites } = this.scene.picture;
-    setText(this.title, `Track ${sites.size > 1 ? `${track.site} ` : ""}${track.label || track.id}`);
-    const gone = !this.scene.picture.tracks.has(track.key);
+    setText(this.title, `Track ${nameOf(track, sites.size > 1)}`);
+    const gone = !this.scene.picture.find(track.key);
     const state = gone ? "ended" : STATES[track.state];
     setText(this.life, state);
     this.life.dataset.state = state;
     this.#facts(track);
-    this.#state(said);
+    this.#state(said ?? (track.site ? null : ofRow(track)));
     this.#models();
     this.#gate(said);
     this.#errors();
@@ -70,7 +71,7 @@ export class Detail {
       "Missed in a row": number(track.misses),
       Age: quantity(track.age_scans, "scans"),
       Updated: clock(track.time_s, 2),
-      Site: track.site,
+      [track.site ? "Site" : "Sites"]: track.site || `${track.made_of.join(", ") || "none now"} (${track.sites === 1 ? "1 track" : `${track.sites} tracks`})`,
     });
   }
 
@@ -169,6 +170,12 @@ export class Detail {
   }
 }
 
+/** What its row says of the state of a system track. */
+function ofRow({ x_m, y_m, z_m, vx_mps, vy_mps, vz_mps, var_xx, var_yy, var_zz }) {
+  const sigma = { x: Math.sqrt(var_xx), y: Math.sqrt(var_yy), z: Math.sqrt(var_zz) };
+  return { state: { x: x_m, y: y_m, z: z_m, vx: vx_mps, vy: vy_mps, vz: vz_mps }, sigma };
+}
+
 /** Names of the models in whose gates a plot lay. */
 function gatesOf(bits, models) {
   if (bits === undefined) return "–";
@@ -190,6 +197,7 @@ class Facts {
   }
 
   update(facts) {
+    for (const [name, value] of this.values) value.parentElement.hidden = !(name in facts);
     for (const [name, text] of Object.entries(facts)) {
       let value = this.values.get(name);
       if (!value) {

@@ -63,7 +63,7 @@ export class Hand {
 
   #under(px, py) {
     const { view, picture, layers } = this.scene;
-    return layers.tracks ? picture.nearest(view.metreX(px), view.metreY(py), REACH_PX / view.scale) : null;
+    return picture.nearest(view.metreX(px), view.metreY(py), REACH_PX / view.scale, layers);
   }
 
   #hover(track) {

@@ -34,7 +34,7 @@ export class TrackList {
   /** Living tracks in the order of the list. */
   order() {
     const wanted = this.find.value.trim();
-    const living = [...this.picture.tracks.values()].filter(
+    const living = [...this.picture.tracks.values(), ...this.picture.system.values()].filter(
       (track) => track.state !== ENDED && (wanted === "" || String(track.id).startsWith(wanted) || track.label.startsWith(wanted)),
     );
     return living.sort((a, b) => RANK[a.state] - RANK[b.state] || (a.site < b.site ? -1 : a.site > b.site ? 1 : a.id - b.id));
@@ -58,7 +58,7 @@ export class TrackList {
       if (chosen) active = row.id;
       const [x, y] = [track.x_m - track.origin[0], track.y_m - track.origin[1]];
       const cells = [
-        several ? `${track.site} ${track.label || track.id}` : track.label || String(track.id),
+        nameOf(track, several),
         STATES[track.state],
         distance(Math.hypot(x, y)),
         angle(Math.atan2(x, y)),
@@ -97,4 +97,10 @@ export class TrackList {
     this.update();
     this.rows[this.shown.indexOf(this.selection.track)]?.scrollIntoView({ block: "nearest" });
   }
+}
+
+/** What a track is called where there are several sites, or one. */
+export function nameOf(track, several) {
+  if (track.site === "") return `S${track.id}`;
+  return `${several ? `${track.site} ` : ""}${track.label || track.id}`;
 }

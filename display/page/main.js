@@ -83,7 +83,10 @@ const hearers = {
     selection.sample();
   },
   truth: (message) => picture.addTruth(message),
-  system_tracks: (message) => picture.addSystemTracks(message),
+  system_tracks(message) {
+    picture.addSystemTracks(message);
+    selection.refresh();
+  },
   maps: (message) => picture.addMaps(message),
   track: (message) => selection.hear(message),
   health: (message) => chain.hear(message),
@@ -180,7 +183,7 @@ function chooseOfEvent(event) {
 
 /** In a recording the track of an event is there only when the server has gone to its time. */
 function chooseSought() {
-  const track = picture.tracks.get(sought);
+  const track = picture.find(sought);
   if (!track) return;
   sought = null;
   choose(track);

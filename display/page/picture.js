@@ -125,6 +125,9 @@ export class Picture {
       const track = this.#trackOf(this.system, "", message.data.id[i]);
       copy(track, message.data, i);
       track.state = track.ended ? ENDED : track.coasting ? 2 : 1;
+      track.origin = [0, 0, 0];
+      track.speed = Math.hypot(track.vx_mps, track.vy_mps);
+      track.made_of = [...this.sites.keys()].filter((_, site) => track.site_bits & (1 << site));
     }
     this.version += 1;
   }
@@ -178,13 +181,21 @@ export class Picture {
     return { plot_s: PLOT_SCANS * this.scan_s, trail_s: TRAIL_SCANS * this.scan_s };
   }
 
-  /** The living track nearest to a place, within `reach` metres. */
-  nearest(x, y, reach) {
+  /** A track of a site or of all of them together, by its key. */
+  find(key) {
+    return this.tracks.get(key) ?? this.system.get(key);
+  }
+
+  /** The track nearest to a place, within `reach` metres, of those that are shown; of equals that of a site. */
+  nearest(x, y, reach, layers) {
     let best = null;
     let least = reach * reach;
-    for (const track of this.tracks.values()) {
-      const d2 = (track.x_m - x) ** 2 + (track.y_m - y) ** 2;
-      if (d2 < least) [best, least] = [track, d2];
+    for (const [on, store] of [[layers.tracks, this.tracks], [layers.system, this.system]]) {
+      if (!on) continue;
+      for (const track of store.values()) {
+        const d2 = (track.x_m - x) ** 2 + (track.y_m - y) ** 2;
+        if (d2 < least) [best, least] = [track, d2];
+      }
     }
     return best;
   }

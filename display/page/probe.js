@@ -22,6 +22,11 @@ export class Probe {
     return [...picture.tracks.values()].map(({ site, id, state, x_m, y_m, z_m, time_s }) => ({ site, id, state, x_m, y_m, z_m, time_s }));
   }
 
+  get systemTracks() {
+    const { picture } = this.#of.scene;
+    return [...picture.system.values()].map(({ id, state, made_of }) => ({ id, state, made_of }));
+  }
+
   /** The report that the view of the chain shows, as it came. */
   get status() {
     return this.#of.chain.shown;
@@ -51,7 +56,7 @@ export class Probe {
   /** Where a track is in the window, pixels. */
   where(site, id) {
     const { picture, view, unit } = this.#of.scene;
-    const track = picture.tracks.get(`${site}/${id}`);
+    const track = picture.find(`${site}/${id}`);
     const { left, top } = this.#of.plan.getBoundingClientRect();
     return track && { x: left + unit * view.screenX(track.x_m), y: top + unit * view.screenY(track.y_m) };
   }

@@ -35,7 +35,8 @@ export class Selection {
     this.#forget();
     this.track = track;
     this.version += 1;
-    this.onChange(track ? { site: track.site, track: track.id } : null);
+    // Of a system track the server knows no more than the page.
+    this.onChange(track?.site ? { site: track.site, track: track.id } : null);
   }
 
   /** Goes to the next (1) or previous (-1) track in the order of their numbers. */
@@ -49,7 +50,7 @@ export class Selection {
   /** After a break or a jump the same track is another object, or gone. */
   refresh() {
     if (!this.track) return;
-    const now = this.picture.tracks.get(this.track.key);
+    const now = this.picture.find(this.track.key);
     if (now && now !== this.track) {
       this.track = now;
       this.version += 1;

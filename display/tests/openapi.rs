@@ -3,40 +3,128 @@
 
 mod support;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::net::SocketAddr;
 use std::sync::Arc;
 
 use common::clutter_map::{ClutterCell, ClutterMapHeader};
-use common::commands::{ACCEPTED, Command, CommandsHeader, EXCLUSION_ZONE};
+use common::commands::{ACCEPTED, Command, CommandsHeader, EXCLUSION_ZONE, LABEL};
 use common::config::{ChainConfig, Sites};
 use common::health::{Health, HealthHeader};
 use common::messages::RecordedRef;
 use common::plots::{HAS_ELEVATION, Plot, PlotsHeader};
 use common::system_tracks::{SystemTrack, SystemTracksHeader};
 use common::tracks::{CONFIRMED, KIND_HOVER, Track, TracksHeader, UsedPlot};
+use common::truth::{TruthHeader, TruthTarget};
 use display::picture::events::Event;
+use display::picture::video::SectorVideo;
 use display::serve::{Access, Served, bind, serve};
-use display::wire::clutter::MAPS;
-use display::wire::columns::Column;
+use display::wire::SectorMessage;
+use display::wire::clutter::{MAPS, MapsHead};
+use display::wire::columns::{Column, Columns, Value as Of};
 use display::wire::explain::TrackMessage;
-use display::wire::hello::Chain;
-use display::wire::operator::{Acquisition, Answer, TrackLabel, Zone};
-use display::wire::plots::PLOTS;
-use display::wire::tracks::TRACKS;
-use display::wire::truth::SYSTEM_TRACKS;
+use display::wire::hello::{Chain, Extent, Hello};
+use display::wire::notices::{Dropped, Failure, HealthMessage, Pong, Reset, TimeMessage};
+use display::wire::operator::{Acquisition, Answer, OperatorMessage, TrackLabel, Zone};
+use display::wire::plots::{PLOTS, PlotsHead};
+use display::wire::requests::Request;
+use display::wire::tracks::{TRACKS, TracksHead};
+use display::wire::truth::{SYSTEM_TRACKS, ScanHead, TRUTH};
+use display::wire::video::VideoHead;
 use schemars::generate::SchemaSettings;
-use serde_json::{Value, json};
+use schemars::{JsonSchema, SchemaGenerator};
+use serde_json::{Map, Value, json};
+use support::{Live, header_of};
+use tungstenite::Message;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/openapi.json");
 
 /// A row of a table.
 fn row<R>(columns: &[Column<R>]) -> Value {
-    let kind = |column: &Column<R>| {
-        if column.is_whole() { json!({"type": "integer", "minimum": 0}) } else { json!({"type": ["number", "null"]}) }
+    let kind = |column: &Column<R>| match column.value {
+        Of::Whole(_) | Of::U32(_) | Of::U8(_) => json!({"type": "integer", "minimum": 0}),
+        Of::Count(_) => json!({"type": ["integer", "null"], "minimum": 0}),
+        Of::F64(_) | Of::F32(_) => json!({"type": ["number", "null"]}),
+        Of::Text(_) => json!({"type": ["string", "null"]}),
     };
-    let properties: serde_json::Map<_, _> = columns.iter().map(|column| (column.name.into(), kind(column))).collect();
+    let properties: Map<_, _> = columns.iter().map(|column| (column.name.into(), kind(column))).collect();
     let required: Vec<_> = columns.iter().map(|column| column.name).collect();
     json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
+}
+
+/// A message of this `type`, from the schema of its Rust type.
+fn message(kind: &str, mut schema: Value) -> Value {
+    assert_eq!(schema["properties"]["type"]["type"], "string", "{kind} has a type");
+    schema["properties"]["type"] = json!({"const": kind});
+    schema["additionalProperties"] = json!(false);
+    schema
+}
+
+/// The header of a table and what follows it: its rows in JSON, or its columns in a binary frame.
+fn headed(mut head: Value, more: &Value) -> Value {
+    for (key, schema) in more["properties"].as_object().expect("properties") {
+        head["properties"][key] = schema.clone();
+        head["required"].as_array_mut().expect("a list").push(json!(key));
+    }
+    head
+}
+
+/// The schema of a type in its own words; those of other types that it names go to the components.
+fn inline<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
+    json!(T::json_schema(generator))
+}
+
+/// Schemas of all messages of the WebSocket by their `type`: of text, those of tables with `items`; and of the headers of binary
+/// frames.
+fn messages(generator: &mut SchemaGenerator) -> (BTreeMap<&'static str, Value>, BTreeMap<&'static str, Value>) {
+    let of_text = [
+        ("hello", inline::<Hello>(generator)),
+        ("sector", inline::<SectorMessage>(generator)),
+        ("health", inline::<HealthMessage>(generator)),
+        ("event", inline::<Event>(generator)),
+        ("operator", inline::<OperatorMessage>(generator)),
+        ("time", inline::<TimeMessage>(generator)),
+        ("track", inline::<TrackMessage>(generator)),
+        ("dropped", inline::<Dropped>(generator)),
+        ("reset", inline::<Reset>(generator)),
+        ("pong", inline::<Pong>(generator)),
+        ("error", inline::<Failure>(generator)),
+    ];
+    let tables = [
+        ("plots", inline::<PlotsHead>(generator), Some("PlotRow")),
+        ("tracks", inline::<TracksHead>(generator), Some("TrackRow")),
+        ("truth", inline::<ScanHead>(generator), Some("TruthRow")),
+        ("system_tracks", inline::<ScanHead>(generator), Some("SystemTrackRow")),
+        ("maps", inline::<MapsHead>(generator), Some("ClutterRow")),
+        ("video", inline::<VideoHead>(generator), None),
+    ];
+    let columns = inline::<Columns>(generator);
+    let mut text: BTreeMap<_, _> = of_text.into_iter().map(|(kind, schema)| (kind, message(kind, schema))).collect();
+    let mut binary = BTreeMap::new();
+    for (kind, head, rows) in tables {
+        let head = message(kind, head);
+        if let Some(rows) = rows {
+            text.insert(kind, headed(head.clone(), &json!({"properties": {"items": list(rows)}})));
+        }
+        binary.insert(kind, headed(head, &columns));
+    }
+    (text, binary)
+}
+
+/// Name of the schema of a message: `SystemTracksMessage`, or `SystemTracksHeader` of a binary one.
+fn name_of(kind: &str, ending: &str) -> String {
+    let words = kind.split('_').map(|word| word[..1].to_uppercase() + &word[1..]);
+    words.collect::<String>() + ending
+}
+
+/// Puts schemas of messages among the components; the references to them by the `type` of the message.
+fn named(all: BTreeMap<&str, Value>, ending: &str, schemas: &mut Map<String, Value>) -> Map<String, Value> {
+    let refer = |(kind, schema): (&str, Value)| {
+        let name = name_of(kind, ending);
+        schemas.insert(name.clone(), schema);
+        (kind.to_string(), json!({"$ref": format!("#/components/schemas/{name}")}))
+    };
+    all.into_iter().map(refer).collect()
 }
 
 fn list(of: &str) -> Value {
@@ -110,7 +198,11 @@ fn description() -> Value {
         generator.subschema_for::<Zone>(),
     ]
     .map(|schema| json!(schema));
+    let (of_text, of_binary) = messages(&mut generator);
+    let request = json!(generator.subschema_for::<Request>());
     let mut schemas = generator.take_definitions(true);
+    let (of_text, of_binary) = (named(of_text, "Message", &mut schemas), named(of_binary, "Header", &mut schemas));
+    schemas.insert("TruthRow".into(), row(&TRUTH));
     schemas.insert("PlotRow".into(), row(&PLOTS));
     schemas.insert("TrackRow".into(), row(&TRACKS));
     schemas.insert("ClutterRow".into(), row(&MAPS));
@@ -128,7 +220,7 @@ fn description() -> Value {
             "version": "1",
             "description": "What a radar chain sees, as its page reads it. Metres east, north and up of the first site's antenna, \
                 radians, azimuth clockwise from north, seconds UTC of measurement; null is what is not known. Live data is sent \
-                over the WebSocket /api/v1/live, described in docs/display-api.md.",
+                over the WebSocket /api/v1/live; docs/display-api.md describes how.",
             "license": {"name": "MIT OR Apache-2.0", "url": "https://spdx.org/licenses/MIT.html"}
         },
         "servers": [{"url": "http://127.0.0.1:8080"}],
@@ -165,7 +257,11 @@ fn description() -> Value {
                 json, &json!({"type": "array", "items": event})),
             "/api/v1/live": {"get": {
                 "summary": "The WebSocket of live data.",
-                "description": "A client says what it wants, and is sent JSON with a `type` and binary tables: docs/display-api.md describes both.",
+                "description": "A client says what it wants, and is sent JSON with a `type` and binary tables: docs/display-api.md describes both, x-websocket-messages names their schemas.",
+                "x-websocket-messages": {
+                    "client": request,
+                    "server": {"text": of_text, "binary_header": of_binary}
+                },
                 "responses": {
                     "101": {"description": "The connection is a WebSocket now."},
                     "400": error("No request for a WebSocket."),
@@ -264,20 +360,29 @@ fn check(value: &Value, schema: &Value, all: &Value, place: &str) -> Result<(), 
                 }
             }
             "items" => value.as_array().into_iter().flatten().try_for_each(|value| check(value, of, all, place))?,
-            "minItems" | "maxItems" | "minimum" | "maximum" | "format" | "description" | "title" => {}
+            "minItems" | "maxItems" | "minimum" | "maximum" | "format" | "description" | "title" | "default" => {}
             other => panic!("{place}: `{other}` is not known to this test"),
         }
     }
     Ok(())
 }
 
-#[test]
-fn answers_are_as_described() {
-    let sites = Sites::one(ChainConfig::default());
-    let served = Arc::new(Served::live(&sites, Access::default()));
+fn sites() -> Sites {
+    Sites::one(ChainConfig::default())
+}
+
+/// Serves a picture with something of everything in it.
+fn start(served: Served) -> (SocketAddr, Arc<Served>) {
+    let served = Arc::new(served);
     let listener = bind("127.0.0.1:0".parse().expect("an address")).expect("a port");
     let address = listener.local_addr().expect("its address");
     serve(listener, Arc::clone(&served)).expect("a thread");
+    fill(&served);
+    (address, served)
+}
+
+/// Takes a message of each kind.
+fn fill(served: &Served) {
     let plots = PlotsHeader { sectors_per_scan: 1, ..PlotsHeader::default() };
     served.take(0, RecordedRef::Plots(&plots, &[Plot { flags: HAS_ELEVATION, ..Plot::default() }, Plot::default()]), 1);
     let mut track = Track { id: 1, known: 9, models: 1, state_code: CONFIRMED, ..Track::EMPTY };
@@ -290,13 +395,22 @@ fn answers_are_as_described() {
     };
     served.take(0, RecordedRef::Tracks(&tracks, &[track]), 2);
     served.take(0, RecordedRef::SystemTracks(&SystemTracksHeader::default(), &[SystemTrack::default()]), 1);
+    served.take(0, RecordedRef::Truth(&TruthHeader::default(), &[TruthTarget::default()]), 1);
     let map = ClutterMapHeader { scans: 1.0, range_step_m: 100.0, ..ClutterMapHeader::default() };
     served.take(0, RecordedRef::ClutterMap(&map, &[ClutterCell::default()]), 1);
     let zone = Command { name: "hill".into(), outcome: ACCEPTED, ..Command::new(EXCLUSION_ZONE, 1, 1) };
     let zone = zone.at(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
-    served.take(0, RecordedRef::Actions(&CommandsHeader::default(), &[zone]), 1);
+    let label = Command { track_id: 1, name: "blue".into(), outcome: ACCEPTED, ..Command::new(LABEL, 1, 2) };
+    for action in [zone, label] {
+        served.take(0, RecordedRef::Actions(&CommandsHeader::default(), &[action]), 1);
+    }
     let health = Health { process: "tracker".into(), ..Health::default() };
     served.take(0, RecordedRef::HealthReports(&HealthHeader::default(), &[health]), 1);
+}
+
+#[test]
+fn answers_are_as_described() {
+    let (address, _served) = start(Served::live(&sites(), Access::default()));
 
     let written = written();
     let schemas = &written["components"]["schemas"];
@@ -320,4 +434,111 @@ fn answers_are_as_described() {
     // The check itself finds what is wrong.
     assert!(check(&json!([{"id": 1}]), &list("TrackRow"), schemas, "").is_err());
     assert!(check(&json!({"error": "x", "more": 1}), &schemas["Error"], schemas, "").is_err());
+}
+
+/// Reads messages, each as its schema says, until one of this type has come; the types are noted.
+fn read_until(viewer: &mut Live, last: &str, seen: &mut BTreeSet<(&'static str, String)>, written: &Value) {
+    let live = &written["paths"]["/api/v1/live"]["get"];
+    let told = &live["x-websocket-messages"]["server"];
+    loop {
+        let (value, place) = match viewer.next().expect("a message") {
+            Message::Text(text) => (serde_json::from_str(&text).expect("JSON"), "text"),
+            Message::Binary(bytes) => (header_of(&bytes), "binary_header"),
+            _ => continue,
+        };
+        let kind = value["type"].as_str().expect("a type").to_string();
+        let schema = told[place].get(&kind).unwrap_or_else(|| panic!("{kind} is not described"));
+        check(&value, schema, &written["components"]["schemas"], &kind).unwrap_or_else(|error| panic!("{error}"));
+        let is_last = kind == last;
+        seen.insert((place, kind));
+        if is_last {
+            return;
+        }
+    }
+}
+
+/// Every message that the WebSocket sends, in both encodings, and what it may be sent.
+#[test]
+fn messages_are_as_described() {
+    let extent = Extent { from_s: 0.0, to_s: 9.0, files: 1 };
+    let (address, served) = start(Served::recording(&sites(), Access::default(), extent, Box::new(|_| true)));
+    let (written, mut seen) = (written(), BTreeSet::new());
+    let live = &written["paths"]["/api/v1/live"]["get"]["x-websocket-messages"];
+    let schemas = &written["components"]["schemas"];
+    let mut viewer = Live::open(address);
+    let send = |viewer: &mut Live, request: &Value| {
+        check(request, &live["client"], schemas, "request").unwrap_or_else(|error| panic!("{error}"));
+        viewer.send(&request.to_string());
+    };
+    let want = json!({
+        "video": {"lines": 64, "ranges": 8}, "plots": true, "tracks": true, "truth": true, "system_tracks": true, "maps": true,
+        "health": true, "events": true
+    });
+    let follow = json!({"site": "site1", "track": 1});
+    for encoding in ["binary", "json"] {
+        send(&mut viewer, &json!({"want": want, "encoding": encoding, "follow": follow, "ping": encoding}));
+        read_until(&mut viewer, "pong", &mut seen, &written);
+        fill(&served);
+        let video = SectorVideo {
+            scan: 0,
+            sector: 0,
+            time_s: 0.0,
+            azimuth_first_rad: 0.0,
+            azimuth_step_rad: 0.1,
+            range_first_m: 0.0,
+            range_step_m: 1.0,
+            ranges: 2,
+            levels: vec![1, 2],
+        };
+        served.take_video(0, &video);
+        served.say(&TimeMessage::new(1.0, true, 2.0));
+        send(&mut viewer, &json!({"play": 1.0, "pause": false, "seek": 3.0, "step": "scan", "by": -1}));
+        if encoding == "binary" {
+            read_until(&mut viewer, "video", &mut seen, &written);
+        }
+        viewer.send(r#"{"wants": 1}"#);
+        read_until(&mut viewer, "error", &mut seen, &written);
+    }
+    // A viewer that does not look is told of it, and begins anew.
+    let plots = vec![Plot::default(); 1000];
+    while served.counts().dropped == 0 {
+        served.take(0, RecordedRef::Plots(&PlotsHeader::default(), &plots), 1);
+    }
+    read_until(&mut viewer, "reset", &mut seen, &written);
+    for place in ["text", "binary_header"] {
+        let of_place = seen.iter().filter(|(of, _)| *of == place).map(|(_, kind)| kind);
+        let described = live["server"][place].as_object().expect("messages").keys();
+        assert_eq!(of_place.collect::<BTreeSet<_>>(), described.collect(), "{place}");
+    }
+    // What is described is what is accepted.
+    for wrong in
+        [json!({"wants": {}}), json!({"want": {"plots": 1}}), json!({"step": "turn"}), json!({"follow": {"site": "x"}})]
+    {
+        assert!(
+            check(&wrong, &live["client"], schemas, "").is_err() && Request::parse(&wrong.to_string()).is_err(),
+            "{wrong}"
+        );
+    }
+}
+
+/// How a WebSocket is refused.
+#[test]
+fn refusals_are_as_described() {
+    let file = tempfile::NamedTempFile::new().expect("a file");
+    std::fs::write(file.path(), "0123456789abcdef").expect("a token");
+    let guarded = Access::new(&file.path().display().to_string()).expect("a token");
+    let (address, _served) = start(Served::live(&sites(), Access::default()));
+    let (with_token, _guarded) = start(Served::live(&sites(), guarded));
+    let written = written();
+    let responses = &written["paths"]["/api/v1/live"]["get"]["responses"];
+    for (address, origin, status) in
+        [(address, "", 400), (address, "origin: http://evil.example\r\n", 403), (with_token, "", 401)]
+    {
+        let answer = support::get_with(address, "/api/v1/live", origin);
+        assert_eq!(answer.status, status, "{}", answer.head);
+        let schema = &responses[status.to_string()]["content"]["application/json"]["schema"];
+        assert!(schema.is_object(), "{status} is described");
+        check(&answer.json(), schema, &written["components"]["schemas"], "live")
+            .unwrap_or_else(|error| panic!("{error}"));
+    }
 }

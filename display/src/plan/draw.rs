@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use common::config::{ChainConfig, Source};
 
 use super::cells::Cells;
+use super::labels::Labels;
 use super::scale::{Scale, distance, round_step};
 use super::sheet::{Anchor, Sheet};
 use super::style::{Mark, Theme};
@@ -25,6 +26,11 @@ const MARGIN: f64 = 40.0;
 const RINGS: f64 = 5.0;
 /// A speed vector ends where its target is after so long, in scans.
 const VECTOR_SCANS: f64 = 10.0;
+
+/// Radius of a confirmed track, px.
+const SYMBOL: f64 = 5.0;
+/// Of the hexagon of a system track, px.
+const HEXAGON: f64 = 9.0;
 
 /// The ways of tracks, by site and number: positions in the picture, m, oldest first.
 pub(super) type Trails = HashMap<(usize, u64), Vec<[f64; 3]>>;
@@ -63,7 +69,36 @@ impl Plan<'_> {
         for (number, site) in self.picture.sites.iter().enumerate() {
             self.site(sheet, &scale, number, site);
         }
+        self.numbers(sheet, &scale);
         self.head(sheet);
+    }
+
+    /// System tracks, and the numbers of all tracks: theirs first, then those of the sites that have no part in them.
+    fn numbers(&self, sheet: &mut dyn Sheet, scale: &Scale) {
+        let mut labels = Labels::new();
+        let font_px = self.theme.style(Mark::Number).font_px;
+        let mut wanted = Vec::new();
+        for site in &self.picture.sites {
+            let living = site.system_tracks.iter().flat_map(|(_, tracks)| tracks).filter(|track| track.ended == 0);
+            for track in living {
+                let at = scale.place(site.place.position_m([track.state[0], track.state[1], track.state[2]]));
+                sheet.line(Mark::System, &hexagon(at));
+                wanted.push((at, format!("S{}", track.id)));
+            }
+        }
+        for site in &self.picture.sites {
+            for (id, of) in site.tracks.iter().filter(|(_, of)| of.track.is_confirmed()) {
+                wanted.push((scale.place(site.place.position_m(of.track.position_m())), id.to_string()));
+            }
+        }
+        for (at, _) in &wanted {
+            labels.reserve(*at, SYMBOL);
+        }
+        for (at, text) in wanted {
+            if let Some(place) = labels.place(at, &text, font_px) {
+                sheet.text(Mark::Number, place, Anchor::Start, &text);
+            }
+        }
     }
 
     /// The farthest that anything shown is from the first radar, m.
@@ -113,8 +148,7 @@ impl Plan<'_> {
             }
             let ahead_m = std::array::from_fn(|axis| from_m[axis] + ahead_s * velocity[axis]);
             sheet.line(Mark::Vector, &[at, scale.place(ahead_m)]);
-            sheet.circle(Mark::Confirmed, at, 5.0);
-            sheet.text(Mark::Number, [at[0] + 9.0, at[1] - 8.0], Anchor::Start, &id.to_string());
+            sheet.circle(Mark::Confirmed, at, SYMBOL);
         }
     }
 
@@ -131,6 +165,14 @@ impl Plan<'_> {
         );
         sheet.text(Mark::Note, [MARGIN, 52.0], Anchor::Start, &legend);
     }
+}
+
+/// The outline of a hexagon about a point, px.
+fn hexagon([x, y]: [f64; 2]) -> [[f64; 2]; 7] {
+    std::array::from_fn(|corner| {
+        let (sin, cos) = (TAU * corner as f64 / 6.0).sin_cos();
+        [x + HEXAGON * cos, y + HEXAGON * sin]
+    })
 }
 
 /// The farthest plot or track of a site, m.
@@ -162,5 +204,46 @@ fn rings(sheet: &mut dyn Sheet, scale: &Scale, range_m: f64) {
         sheet.line(Mark::Spoke, &[at(0.0), at(edge)]);
         let [x, y] = at(edge + 18.0);
         sheet.text(Mark::Scale, [x, y + 4.0], Anchor::Middle, &format!("{degrees:03}°"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::style::DAY;
+    use super::super::svg::Svg;
+    use super::*;
+    use common::config::{ChainConfig, Sites};
+    use common::messages::RecordedRef;
+    use common::system_tracks::{SystemTrack, SystemTracksHeader};
+    use common::tracks::{CONFIRMED, Track, TracksHeader};
+
+    /// A target that a site tracks and that is a system track: both have their number, at two places.
+    #[test]
+    fn a_system_track_and_its_track_have_numbers_beside_each_other() {
+        let sites = Sites::one(ChainConfig::default());
+        let mut picture = Picture::new(&sites);
+        let mut track = Track { id: 7, known: 6, state_code: CONFIRMED, ..Track::EMPTY };
+        (track.state[0], track.state[3]) = (1000.0, 2000.0);
+        picture.take(0, RecordedRef::Tracks(&TracksHeader::default(), &[track]), 0);
+        let fused = SystemTrack { id: 3, state: [1000.0, 2000.0, 0.0, 0.0, 0.0, 0.0], ..SystemTrack::default() };
+        let ended = SystemTrack { id: 4, ended: 1, ..fused };
+        picture.take(0, RecordedRef::SystemTracks(&SystemTracksHeader::default(), &[fused, ended]), 0);
+        let (trails, cells) = (Trails::new(), [Cells::default()]);
+        let plan = Plan {
+            picture: &picture,
+            sites: sites.all(),
+            trails: &trails,
+            cells: &cells,
+            title: "",
+            range_m: None,
+            theme: DAY,
+        };
+        let mut sheet: Box<dyn Sheet> = Box::new(Svg::new(SIZE[0], SIZE[1], "", &DAY));
+        plan.draw(sheet.as_mut());
+        let text = String::from_utf8(sheet.finish()).expect("text");
+        let numbers: Vec<_> = text.lines().filter(|line| line.contains("class=\"number\"")).collect();
+        assert!(numbers.len() == 2 && numbers[0].contains(">S3<") && numbers[1].contains(">7<"), "{numbers:?}");
+        let place = |line: &str| line.split(" text-anchor").next().map(String::from);
+        assert_ne!(place(numbers[0]), place(numbers[1]));
     }
 }

@@ -2,6 +2,7 @@
 
 mod cells;
 mod draw;
+mod labels;
 mod lettering;
 mod png;
 mod raster;

@@ -25,6 +25,8 @@ pub(super) enum Mark {
     Confirmed,
     /// A tentative track.
     Tentative,
+    /// A system track.
+    System,
     /// The number of a track.
     Number,
     /// A radar.
@@ -33,7 +35,7 @@ pub(super) enum Mark {
 
 impl Mark {
     /// All of them.
-    pub(super) const ALL: [Self; 13] = [
+    pub(super) const ALL: [Self; 14] = [
         Self::Ring,
         Self::Spoke,
         Self::Scale,
@@ -45,6 +47,7 @@ impl Mark {
         Self::Vector,
         Self::Confirmed,
         Self::Tentative,
+        Self::System,
         Self::Number,
         Self::Site,
     ];
@@ -63,6 +66,7 @@ impl Mark {
             Self::Vector => "vector",
             Self::Confirmed => "confirmed",
             Self::Tentative => "tentative",
+            Self::System => "system",
             Self::Number => "number",
             Self::Site => "site",
         }
@@ -150,6 +154,7 @@ impl Theme {
             Mark::Vector => outlined(self.track, 2.0),
             Mark::Confirmed => filled(self.track),
             Mark::Tentative => Style { fill: Some(self.ground), ..outlined(self.track, 1.5) },
+            Mark::System => outlined(self.number, 1.5),
             Mark::Number => Style { bold: true, ..filled(self.number) },
             Mark::Site => filled(self.title),
         }

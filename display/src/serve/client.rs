@@ -16,6 +16,10 @@ const MOST_MESSAGES: usize = 1024;
 /// Bytes that wait for a viewer at most, beside the same.
 const MOST_BYTES: usize = 8 << 20;
 
+/// As many times more may wait while a viewer is given what has led to a picture, which nobody but the viewer asks for: some tens of
+/// scans. Whoever does not keep up with that sees the picture without what has led to it.
+const LEAD: usize = 8;
+
 /// A sector of a site.
 pub(super) type SectorOf = (usize, u32);
 
@@ -46,8 +50,8 @@ pub(super) struct State {
     greeted: bool,
     /// It was too slow, and gets nothing before it begins anew.
     behind: bool,
-    /// It is given what has led to the picture, which has no bound.
-    unbounded: bool,
+    /// It is given what has led to the picture.
+    led: bool,
 }
 
 /// What a viewer is to be sent next.
@@ -89,8 +93,10 @@ impl State {
     /// Adds a message, or counts it as dropped; how many messages were dropped by that.
     pub(super) fn push(&mut self, message: Message) -> u64 {
         let (messages, bytes) = self.picture;
-        let full = self.queue.len() >= MOST_MESSAGES + messages || self.bytes + length(&message) > MOST_BYTES + bytes;
-        if !self.behind && (self.unbounded || !full) {
+        let times = if self.led { LEAD } else { 1 };
+        let full = self.queue.len() >= times * MOST_MESSAGES + messages
+            || self.bytes + length(&message) > times * MOST_BYTES + bytes;
+        if !self.behind && !full {
             self.push_always(message);
             return 0;
         }
@@ -114,9 +120,9 @@ impl State {
         self.picture = (self.queue.len(), self.bytes);
     }
 
-    /// What waits is on its way to the whole picture, or is it.
-    pub(super) fn set_unbounded(&mut self, unbounded: bool) {
-        self.unbounded = unbounded;
+    /// From now on, or no longer, what comes is what has led to the picture, and then part of it.
+    pub(super) fn set_led(&mut self, led: bool) {
+        self.led = led;
         self.has_picture();
     }
 
@@ -235,6 +241,24 @@ mod tests {
         // What it asks for itself has a bound.
         (0..4).for_each(|_| state.push_always(text(&"z".repeat(MOST_BYTES))));
         assert_eq!(state.push(text("news")), 5);
+    }
+
+    /// A jump in a recording of many tracks fills no memory.
+    #[test]
+    fn what_has_led_to_a_picture_has_more_room_and_a_bound() {
+        let mut state = State::default();
+        state.set_led(true);
+        let lead = (LEAD * MOST_MESSAGES) as u64;
+        assert_eq!((0..lead).map(|_| state.push(text("x"))).sum::<u64>(), 0, "all of it waits");
+        assert_eq!(state.push(text("x")), lead + 1, "the bound");
+        state.set_led(false);
+        assert_eq!(sent(&mut state), Some("anew".into()));
+        // What waits of it is part of the picture: what happens next does not put the viewer behind.
+        state.clear();
+        state.set_led(true);
+        (0..lead).for_each(|_| assert_eq!(state.push(text("x")), 0));
+        state.set_led(false);
+        assert_eq!(state.push(text("news")), 0);
     }
 
     #[test]

@@ -172,10 +172,10 @@ impl Hub {
         });
     }
 
-    /// From now on every viewer gets all that is sent, or again no more than it takes.
-    pub(super) fn set_each_unbounded(&self, unbounded: bool) {
+    /// From now on, or no longer, viewers are given what has led to a picture.
+    pub(super) fn set_each_led(&self, led: bool) {
         self.each(|state| {
-            state.set_unbounded(unbounded);
+            state.set_led(led);
             false
         });
     }

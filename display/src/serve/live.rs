@@ -11,8 +11,6 @@ use axum::response::{IntoResponse, Response};
 use common::time::monotonic_ns;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
-use serde::Serialize;
-use serde_json::Value;
 use tokio::time::{sleep, timeout};
 
 use super::client::{Client, Next};
@@ -20,6 +18,7 @@ use super::routes::failure;
 use super::server::Place;
 use super::{Served, explained};
 use crate::wire::columns::text;
+use crate::wire::notices::{Dropped, Failure, Pong};
 use crate::wire::requests::{Following, Playback, Request, Want};
 
 /// Longest message of a viewer, bytes.
@@ -30,28 +29,6 @@ const REQUEST_PAUSE: Duration = Duration::from_millis(1);
 const WRITE: Duration = Duration::from_secs(10);
 /// A viewer that is sent nothing is asked whether it is there so often, and has gone when it says nothing for three times as long.
 const ALIVE: Duration = Duration::from_secs(20);
-
-/// `pong`: the answer to a `ping`.
-#[derive(Serialize)]
-struct Pong<'a> {
-    r#type: &'static str,
-    ping: &'a Value,
-    server_us: f64,
-}
-
-/// `error`: what was wrong with a message of the viewer.
-#[derive(Serialize)]
-struct Failure<'a> {
-    r#type: &'static str,
-    error: &'a str,
-}
-
-/// `dropped`: how many messages the viewer was not sent because it was slow.
-#[derive(Serialize)]
-struct Dropped {
-    r#type: &'static str,
-    messages: u64,
-}
 
 /// `GET /api/v1/live`
 pub(super) async fn live(Shared(served): Shared<Arc<Served>>, request: HttpRequest) -> Response {
@@ -124,7 +101,7 @@ impl Viewer {
                 }
             };
             let untold = self.client.state().untold();
-            let dropped = untold.map(|messages| Message::Text(text(&Dropped { r#type: "dropped", messages }).into()));
+            let dropped = untold.map(|messages| Message::Text(text(&Dropped::new(messages)).into()));
             for message in dropped.into_iter().chain([message]) {
                 timeout(WRITE, sink.send(message)).await.map_err(Error::new)??;
             }
@@ -144,8 +121,7 @@ impl Viewer {
 
     fn carry_out(&self, request: &Request) -> Result<(), String> {
         if let Some(ping) = &request.ping {
-            let pong = Pong { r#type: "pong", ping, server_us: monotonic_ns() as f64 / 1e3 };
-            self.tell(text(&pong));
+            self.tell(text(&Pong::new(ping, monotonic_ns() as f64 / 1e3)));
         }
         let picture = self.served.picture();
         let follow = match &request.follow {
@@ -178,7 +154,8 @@ impl Viewer {
             && wants_more
             && wanted.peek().is_none()
         {
-            player(Playback::Again);
+            // Where too much waits, another picture is on its way.
+            let _ = player(Playback::Again);
         }
         wanted.try_for_each(|wanted| self.play(wanted))
     }
@@ -188,16 +165,16 @@ impl Viewer {
             self.served.recording.as_ref().ok_or("this is a running chain, which cannot be moved in time")?;
         match wanted {
             Playback::Play(rate) if !rate.is_finite() || rate <= 0.0 => {
-                return Err(format!("play is {rate}, expected times recorded time, more than 0"));
+                Err(format!("play is {rate}, expected times recorded time, more than 0"))
             }
-            Playback::Seek(time_s) if !time_s.is_finite() => return Err("seek is no time".into()),
-            wanted => player(wanted),
+            Playback::Seek(time_s) if !time_s.is_finite() => Err("seek is no time".into()),
+            wanted if player(wanted) => Ok(()),
+            _ => Err("too much waits for the player: try again later".into()),
         }
-        Ok(())
     }
 
     fn complain(&self, error: &str) {
-        self.tell(text(&Failure { r#type: "error", error }));
+        self.tell(text(&Failure::new(error)));
     }
 
     /// Adds an answer, unless the viewer takes none.

@@ -29,7 +29,6 @@ use common::time::monotonic_ns;
 use common::tracks::{Track, TracksHeader};
 use common::turning::Turning;
 use serde::Serialize;
-use serde_json::Value;
 
 use crate::picture::Picture;
 use crate::picture::events::EventLog;
@@ -40,6 +39,7 @@ use crate::wire::clutter::{MAPS, MapRow, MapsHead};
 use crate::wire::columns::{Column, binary, json, text};
 use crate::wire::explain::TrackMessage;
 use crate::wire::hello::{Chain, Extent, Hello};
+use crate::wire::notices::{HealthMessage, Reset};
 use crate::wire::operator::OperatorMessage;
 use crate::wire::plots::{PLOTS, PlotRow, PlotsHead};
 use crate::wire::requests::{Encoding, Playback, Want};
@@ -56,8 +56,8 @@ pub use server::{bind, serve};
 /// Health is sent about so often.
 const HEALTH: Duration = Duration::from_secs(1);
 
-/// Takes what viewers want of a recording.
-pub type Player = Box<dyn Fn(Playback) + Send + Sync>;
+/// Takes what viewers want of a recording, or says that too much waits already.
+pub type Player = Box<dyn Fn(Playback) -> bool + Send + Sync>;
 
 /// A picture and those who look at it.
 pub struct Served {
@@ -69,14 +69,6 @@ pub struct Served {
     told: Mutex<Option<Instant>>,
     recording: Option<(Extent, Player)>,
     operators: Operators,
-}
-
-/// `health`: what the processes say.
-#[derive(Serialize)]
-struct HealthMessage {
-    r#type: &'static str,
-    time_s: f64,
-    status: Value,
 }
 
 impl Served {
@@ -203,15 +195,15 @@ impl Served {
     }
 
     /// Puts another picture in the place of this one, as after a jump in a recording, and shows it to all viewers, with what has led to
-    /// the present picture: `lead` hands it over, message by message. However much that is, viewers get it.
+    /// the present picture: `lead` hands it over, message by message. Of more than viewers have room for, they see the picture alone.
     pub fn replace(&self, other: Picture, lead: impl FnOnce()) {
         let mut picture = self.picture();
         *picture = other;
         self.hub.begin_anew(|state| Self::show_all(&picture, state));
         drop(picture);
-        self.hub.set_each_unbounded(true);
+        self.hub.set_each_led(true);
         lead();
-        self.hub.set_each_unbounded(false);
+        self.hub.set_each_led(false);
     }
 
     /// Gives a viewer that has just come what everybody is told first. The picture is locked before a viewer, everywhere.
@@ -225,7 +217,7 @@ impl Served {
 
     /// Puts the whole picture into the queue of a viewer, after word that it begins anew.
     fn show_all(picture: &Picture, state: &mut State) {
-        state.push_always(Message::Text(r#"{"type":"reset"}"#.into()));
+        state.push_always(Message::Text(text(&Reset::default()).into()));
         Self::tell_operators(picture, state);
         Self::show(picture, state, &Want::default());
         if let Some((site, id)) = state.follow
@@ -312,7 +304,7 @@ impl Served {
 }
 
 fn health_text(picture: &Picture) -> String {
-    text(&HealthMessage { r#type: "health", time_s: picture.time_s(), status: status::to_json(&picture.board) })
+    text(&HealthMessage::new(picture.time_s(), status::to_json(&picture.board)))
 }
 
 /// A track, explained now.
@@ -327,7 +319,7 @@ fn tracks_message<'a>(
     tracks: impl Iterator<Item = &'a Track>,
     taken_ns: u64,
 ) -> Message {
-    let rows: Vec<_> = tracks.map(|track| TrackRow::new(track, &site.place)).collect();
+    let rows: Vec<_> = tracks.map(|track| TrackRow::new(track, site)).collect();
     let stamps = StampsUs::new(&header.stamps, taken_ns, if taken_ns == 0 { 0 } else { monotonic_ns() });
     table(encoding, &TracksHead::new(&site.name, header, stamps), &TRACKS, &rows)
 }

@@ -141,7 +141,7 @@ async fn tracks(
     let mut rows = Vec::new();
     let refused = of_site(&served, &site, |site| {
         let wanted = site.tracks.values().filter(|of| !confirmed || of.track.is_confirmed());
-        rows.extend(wanted.map(|of| TrackRow::new(&of.track, &site.place)));
+        rows.extend(wanted.map(|of| TrackRow::new(&of.track, site)));
     });
     // Written when the picture is free again.
     refused.unwrap_or_else(|| list(&TRACKS, &rows))

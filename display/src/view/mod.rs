@@ -10,8 +10,8 @@ mod tape;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::mpsc::channel;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
+use std::sync::mpsc::sync_channel;
 use std::thread;
 use std::time::Duration;
 
@@ -29,6 +29,8 @@ pub(crate) use deck::Deck;
 use player::{Order, Player};
 pub(crate) use tape::Tape;
 
+/// What viewers want of the player waits up to this number of orders; more is refused.
+const MOST_ORDERS: usize = 256;
 /// How long the process sleeps between two looks for a signal.
 const SLEEP: Duration = Duration::from_millis(50);
 
@@ -54,12 +56,9 @@ pub fn run(files: &[PathBuf], listen: Option<(&str, &str)>) -> anyhow::Result<Ex
     let address = listener.local_addr()?;
     let (from_s, to_s) = (from_ns as f64 / NS_PER_S, to_ns as f64 / NS_PER_S);
     let extent = Extent { from_s, to_s, files: tapes.iter().map(Tape::files).sum() };
-    let (orders, ordered) = channel();
-    let of_viewers = Mutex::new(orders.clone());
-    let tell_player = move |wanted| {
-        // The player lives as long as the process.
-        let _ = of_viewers.lock().unwrap_or_else(PoisonError::into_inner).send(Order::Viewer(wanted));
-    };
+    let (orders, ordered) = sync_channel(MOST_ORDERS);
+    let of_viewers = orders.clone();
+    let tell_player = move |wanted| of_viewers.try_send(Order::Viewer(wanted)).is_ok();
     let access = Access::new(&chain.display.token_file)?;
     let served = Arc::new(Served::recording(&sites, access, extent, Box::new(tell_player)));
     let (player_sites, player_tapes, player_served) = (sites.clone(), tapes.clone(), Arc::clone(&served));

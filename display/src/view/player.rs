@@ -9,7 +9,6 @@ use common::message::END_OF_SCAN;
 use common::recording::Recorded;
 use common::topic::Topic;
 use common::units::NS_PER_S;
-use serde::Serialize;
 
 use super::deck::Deck;
 use super::tape::Tape;
@@ -17,6 +16,7 @@ use crate::picture::Picture;
 use crate::picture::events::EventLog;
 use crate::picture::video::Gatherer;
 use crate::serve::Served;
+use crate::wire::notices::TimeMessage;
 use crate::wire::requests::{Playback, Step};
 
 /// Between two looks at the clock while playing.
@@ -40,15 +40,6 @@ pub(super) enum Order {
     Viewer(Playback),
     /// All events of the recording are known, and what operators have done, site by site.
     Events(EventLog, Vec<(usize, Recorded)>),
-}
-
-/// `time`: where the recording stands.
-#[derive(Serialize)]
-struct TimeMessage {
-    r#type: &'static str,
-    at_s: f64,
-    playing: bool,
-    rate: f64,
 }
 
 /// Plays.
@@ -96,18 +87,11 @@ impl Player {
         loop {
             let sleep = if self.since.is_some() { FRAME } else { WORD_AT_REST };
             match orders.recv_timeout(sleep) {
-                Ok(mut order) => {
-                    // Of several pictures that are asked for at once, the last will do.
-                    while matches!(order, Order::Viewer(Playback::Again | Playback::Seek(_)))
-                        && let Ok(next) = orders.try_recv()
-                    {
-                        match next {
-                            Order::Viewer(Playback::Again) => {}
-                            Order::Viewer(Playback::Seek(_)) => order = next,
-                            other => self.obey(std::mem::replace(&mut order, other)),
-                        }
+                Ok(order) => {
+                    let (picture, other) = last_picture(order, orders);
+                    for order in [picture].into_iter().chain(other) {
+                        self.obey(order);
                     }
-                    self.obey(order);
                     self.tell();
                 }
                 Err(RecvTimeoutError::Timeout) if self.since.is_none() => self.tell(), // somebody may have come
@@ -250,6 +234,52 @@ impl Player {
 
     fn tell(&self) {
         let (at_s, playing) = (self.at_ns as f64 / NS_PER_S, self.since.is_some());
-        self.served.say(&TimeMessage { r#type: "time", at_s, playing, rate: self.rate });
+        self.served.say(&TimeMessage::new(at_s, playing, self.rate));
+    }
+}
+
+/// Of several pictures that are asked for one after the other, the last will do; with the order of another kind that ended them. To
+/// show the present time again adds nothing to a jump.
+fn last_picture(mut order: Order, orders: &Receiver<Order>) -> (Order, Option<Order>) {
+    while matches!(order, Order::Viewer(Playback::Again | Playback::Seek(_))) {
+        match orders.try_recv() {
+            Ok(Order::Viewer(Playback::Again)) => {}
+            Ok(next @ Order::Viewer(Playback::Seek(_))) => order = next,
+            Ok(other) => return (order, Some(other)),
+            Err(_) => break,
+        }
+    }
+    (order, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::sync_channel;
+
+    fn wanted(order: Option<&Order>) -> Option<Playback> {
+        match order {
+            Some(Order::Viewer(wanted)) => Some(*wanted),
+            _ => None,
+        }
+    }
+
+    /// Viewers that ask again and again for more of the present time are shown it once.
+    #[test]
+    fn a_flood_of_requests_for_the_same_picture_is_one() {
+        let (sender, orders) = sync_channel(10_000);
+        let send = |wanted| sender.try_send(Order::Viewer(wanted)).expect("room");
+        (0..4000).for_each(|_| send(Playback::Again));
+        (0..4000).for_each(|second| send(Playback::Seek(f64::from(second))));
+        (0..1000).for_each(|_| send(Playback::Again));
+        send(Playback::Pause);
+        send(Playback::Again);
+        let (picture, other) = last_picture(orders.recv().expect("an order"), &orders);
+        assert_eq!(
+            (wanted(Some(&picture)), wanted(other.as_ref())),
+            (Some(Playback::Seek(3999.0)), Some(Playback::Pause))
+        );
+        let (picture, other) = last_picture(orders.recv().expect("an order"), &orders);
+        assert_eq!((wanted(Some(&picture)), wanted(other.as_ref())), (Some(Playback::Again), None));
     }
 }

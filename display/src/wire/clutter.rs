@@ -2,12 +2,13 @@
 
 use common::clutter_map::{ClutterCell, ClutterMapHeader};
 use common::units::NS_PER_S;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::columns::Column;
 
 /// Header of the map of a site.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct MapsHead<'a> {
     r#type: &'static str,
     site: &'a str,

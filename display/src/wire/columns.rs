@@ -6,6 +6,7 @@
 //!
 //! All numbers are little endian; a browser lays typed arrays over the columns without copying.
 
+use schemars::JsonSchema;
 use serde::ser::{SerializeMap, SerializeSeq};
 use serde::{Serialize, Serializer};
 
@@ -29,6 +30,10 @@ pub enum Value<R> {
     U32(fn(&R) -> u32),
     /// One byte.
     U8(fn(&R) -> u8),
+    /// Whole numbers that need not be known, as [`Self::F64`]; whole in JSON.
+    Count(fn(&R) -> Option<u32>),
+    /// Text, which stands in JSON alone.
+    Text(fn(&R) -> Option<&str>),
 }
 
 impl<R> Column<R> {
@@ -57,19 +62,26 @@ impl<R> Column<R> {
         Self { name, value: Value::U8(value) }
     }
 
-    /// Name of the type in headers.
-    pub const fn kind(&self) -> &'static str {
-        match self.value {
-            Value::F64(_) | Value::Whole(_) => "f64",
-            Value::F32(_) => "f32",
-            Value::U32(_) => "u32",
-            Value::U8(_) => "u8",
-        }
+    /// A column of whole numbers that need not be known.
+    pub const fn count(name: &'static str, value: fn(&R) -> Option<u32>) -> Self {
+        Self { name, value: Value::Count(value) }
     }
 
-    /// Whether its values are whole numbers, from zero up, in JSON.
-    pub const fn is_whole(&self) -> bool {
-        matches!(self.value, Value::Whole(_) | Value::U32(_) | Value::U8(_))
+    /// A column of text.
+    pub const fn text(name: &'static str, value: fn(&R) -> Option<&str>) -> Self {
+        Self { name, value: Value::Text(value) }
+    }
+
+    /// Its name and type in headers; `None` where it stands in JSON alone.
+    fn named(&self) -> Option<Named> {
+        let kind = match self.value {
+            Value::F64(_) | Value::Whole(_) | Value::Count(_) => Kind::F64,
+            Value::F32(_) => Kind::F32,
+            Value::U32(_) => Kind::U32,
+            Value::U8(_) => Kind::U8,
+            Value::Text(_) => return None,
+        };
+        Some(Named { name: self.name, kind })
     }
 
     fn write(&self, rows: &[R], out: &mut Vec<u8>) {
@@ -79,17 +91,43 @@ impl<R> Column<R> {
             Value::F32(value) => rows.iter().for_each(|row| out.extend_from_slice(&value(row).to_le_bytes())),
             Value::U32(value) => rows.iter().for_each(|row| out.extend_from_slice(&value(row).to_le_bytes())),
             Value::U8(value) => out.extend(rows.iter().map(value)),
+            Value::Count(value) => {
+                rows.iter().map(value).for_each(|of| out.extend(of.map_or(f64::NAN, f64::from).to_le_bytes()));
+            }
+            Value::Text(_) => {}
         }
         pad(out);
     }
 }
 
-/// Name and type of a column, in a header.
-#[derive(Serialize)]
+/// What a binary frame consists of, in its header.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Columns {
+    /// The columns in their order.
+    columns: Vec<Named>,
+    /// Values in each column.
+    count: usize,
+}
+
+/// Name and type of a column.
+#[derive(Debug, Serialize, JsonSchema)]
+#[schemars(rename = "Column")]
 struct Named {
     name: &'static str,
+    /// Little endian.
     #[serde(rename = "as")]
-    kind: &'static str,
+    kind: Kind,
+}
+
+/// Type of the values of a column.
+#[derive(Debug, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(rename = "ColumnType")]
+enum Kind {
+    F64,
+    F32,
+    U32,
+    U8,
 }
 
 /// A header with what it says of its columns.
@@ -97,8 +135,8 @@ struct Named {
 struct WithColumns<'a, H> {
     #[serde(flatten)]
     header: &'a H,
-    columns: Vec<Named>,
-    count: usize,
+    #[serde(flatten)]
+    columns: Columns,
 }
 
 /// A header with its rows.
@@ -144,6 +182,8 @@ impl<R> Serialize for Object<'_, R> {
                 Value::F32(value) => object.serialize_entry(column.name, &value(self.row))?,
                 Value::U32(value) => object.serialize_entry(column.name, &value(self.row))?,
                 Value::U8(value) => object.serialize_entry(column.name, &value(self.row))?,
+                Value::Count(value) => object.serialize_entry(column.name, &value(self.row))?,
+                Value::Text(value) => object.serialize_entry(column.name, &value(self.row))?,
             }
         }
         object.end()
@@ -152,8 +192,8 @@ impl<R> Serialize for Object<'_, R> {
 
 /// A header and rows as a binary frame.
 pub fn binary<H: Serialize, R>(header: &H, columns: &[Column<R>], rows: &[R]) -> Vec<u8> {
-    let named = columns.iter().map(|column| Named { name: column.name, kind: column.kind() }).collect();
-    let mut out = begin(&WithColumns { header, columns: named, count: rows.len() });
+    let named = columns.iter().filter_map(Column::named).collect();
+    let mut out = begin(&WithColumns { header, columns: Columns { columns: named, count: rows.len() } });
     for column in columns {
         column.write(rows, &mut out);
     }
@@ -162,8 +202,8 @@ pub fn binary<H: Serialize, R>(header: &H, columns: &[Column<R>], rows: &[R]) ->
 
 /// A header and one column of bytes, which there are already, as a binary frame.
 pub fn block<H: Serialize>(header: &H, name: &'static str, bytes: &[u8]) -> Vec<u8> {
-    let columns = vec![Named { name, kind: "u8" }];
-    let mut out = begin(&WithColumns { header, columns, count: bytes.len() });
+    let columns = Columns { columns: vec![Named { name, kind: Kind::U8 }], count: bytes.len() };
+    let mut out = begin(&WithColumns { header, columns });
     out.extend_from_slice(bytes);
     pad(&mut out);
     out
@@ -231,6 +271,21 @@ mod tests {
         );
         let frame = binary(&Head { r#type: "tracks" }, &columns, &[(3, 0.0)]);
         assert!(frame.ends_with(&3_145_728.0_f64.to_le_bytes()));
+    }
+
+    #[test]
+    fn counts_may_be_unknown_and_text_stands_in_json_alone() {
+        let columns = [
+            Column::text("label", |row: &(u32, f32)| (row.0 > 0).then_some("blue")),
+            Column::count("hits", |row| (row.0 > 0).then_some(row.0)),
+        ];
+        let (head, rows) = (Head { r#type: "tracks" }, [(7, 0.0), (0, 0.0)]);
+        let text = json(&head, &columns, &rows);
+        assert_eq!(text, r#"{"type":"tracks","items":[{"label":"blue","hits":7},{"label":null,"hits":null}]}"#);
+        let frame = binary(&head, &columns, &rows);
+        let header = r#"{"type":"tracks","columns":[{"name":"hits","as":"f64"}],"count":2}"#;
+        assert_eq!(&frame[4..4 + header.len()], header.as_bytes());
+        assert!(frame.ends_with(&[7.0_f64.to_le_bytes(), f64::NAN.to_le_bytes()].concat()));
     }
 
     #[test]

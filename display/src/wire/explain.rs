@@ -12,7 +12,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::plots::position_m;
-use super::tracks::StampsUs;
+use super::tracks::{StampsUs, knows_height, of_plots};
 use crate::picture::site::SitePicture;
 
 /// Names of the components of the state by the place of their coordinate: position, velocity, acceleration.
@@ -36,10 +36,11 @@ pub struct TrackMessage {
     models: Vec<Model>,
     /// Probability that the track follows a target.
     existence: f64,
-    snr_db: f32,
-    hits: u32,
+    /// `null` where the track is fused of others, as the counts of plots and scans.
+    snr_db: Option<f32>,
+    hits: Option<u32>,
     misses: u32,
-    age_scans: u32,
+    age_scans: Option<u32>,
     /// `tentative`, `confirmed`, `coasting` or `ended`.
     state_name: &'static str,
     gate: Gate,
@@ -69,7 +70,7 @@ struct Gate {
     volume: f64,
     /// Plots in it.
     #[serde(rename = "in_gate")]
-    plots: u32,
+    plots: Option<u32>,
     /// Where it lies; `null` while no plots have told how large a resolution cell is. That of all models together: a gate rule that chooses one searches less.
     region: Option<Region>,
 }
@@ -131,15 +132,15 @@ impl TrackMessage {
             sigma,
             models: models.collect(),
             existence: track.existence,
-            snr_db: track.snr_db,
-            hits: track.hits,
+            snr_db: of_plots(track, track.snr_db),
+            hits: of_plots(track, track.hits),
             misses: track.misses,
-            age_scans: track.age_scans,
+            age_scans: of_plots(track, track.age_scans),
             state_name: state_name(track.state_code),
             gate: Gate {
                 kind: gate_name(track.gate_code),
                 volume: track.gate_volume,
-                plots: track.plots_in_gate,
+                plots: of_plots(track, track.plots_in_gate),
                 region: region_of(site, track),
             },
             used: used.collect(),
@@ -157,7 +158,7 @@ fn state_of(site: &SitePicture, track: &Track) -> (Map<String, Value>, Map<Strin
         let own: [f64; 3] = std::array::from_fn(|of| track.state[axis(of) % STATE]);
         let turned = if derivative == 0 { site.place.position_m(own) } else { site.place.vector(own) };
         let covariance = site.place.turned(|row, column| track.covariance[pack(axis(row), axis(column))]);
-        for (of, name) in names.iter().enumerate() {
+        for (of, name) in names.iter().enumerate().take(if knows_height(track) { 3 } else { 2 }) {
             state.insert((*name).to_string(), turned[of].into());
             sigma.insert((*name).to_string(), covariance[of][of].max(0.0).sqrt().into());
         }

@@ -120,7 +120,7 @@ pub struct StageOfChain {
 }
 
 /// `hello`: the same as a message.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Hello<'a> {
     r#type: &'static str,
     #[serde(flatten)]

@@ -4,6 +4,7 @@ pub mod clutter;
 pub mod columns;
 pub mod explain;
 pub mod hello;
+pub mod notices;
 pub mod operator;
 pub mod plots;
 pub mod requests;
@@ -12,6 +13,7 @@ pub mod truth;
 pub mod video;
 
 use common::turning::Turning;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A stamp of the machine's monotonic clock, µs; `None` where a message has not been.
@@ -20,7 +22,7 @@ fn microseconds(stamp_ns: u64) -> Option<f64> {
 }
 
 /// Where the beam of a site is now.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct SectorMessage<'a> {
     r#type: &'static str,
     site: &'a str,

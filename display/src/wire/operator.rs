@@ -61,11 +61,13 @@ pub struct Answer {
 }
 
 /// `operator`: the zones of a site and the labels of its tracks, whenever they change.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct OperatorMessage<'a> {
     r#type: &'static str,
     site: &'a str,
     zones: Vec<Zone>,
+    /// By the numbers of the tracks.
+    #[schemars(with = "BTreeMap<String, String>")]
     labels: &'a BTreeMap<u64, String>,
 }
 

@@ -3,13 +3,14 @@
 use common::geometry::Polar;
 use common::plots::{HAS_ELEVATION, HAS_RANGE_RATE, Plot, PlotsHeader};
 use common::units::NS_PER_S;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::columns::Column;
 use crate::picture::place::Placement;
 
 /// Header of the plots of a sector.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct PlotsHead<'a> {
     r#type: &'static str,
     site: &'a str,

@@ -1,5 +1,6 @@
 //! What clients ask for over the WebSocket: one JSON object, every key optional.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer};
 
 use super::video::Fineness;
@@ -8,7 +9,7 @@ use super::video::Fineness;
 const FINEST: u32 = 65_536;
 
 /// A message of a client.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Request {
     /// What to send from now on, in the place of what was wanted before.
@@ -16,6 +17,7 @@ pub struct Request {
     /// How tables are sent.
     pub encoding: Option<Encoding>,
     /// The track to explain at each update; `null` for none.
+    #[schemars(with = "Option<Follow>")]
     pub follow: Following,
     /// Is sent back with the server's clock.
     pub ping: Option<serde_json::Value>,
@@ -33,11 +35,12 @@ pub struct Request {
 
 /// What a client wants to be sent.
 #[expect(clippy::struct_excessive_bools, reason = "each kind of message is wanted or not")]
-#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Want {
     /// Radar video, no finer than this.
     #[serde(deserialize_with = "fineness")]
+    #[schemars(with = "Option<Fineness>")]
     pub video: Option<Fineness>,
     /// Plots.
     pub plots: bool,
@@ -56,7 +59,7 @@ pub struct Want {
 }
 
 /// How tables are sent.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Encoding {
     /// Columns in binary frames.
@@ -85,7 +88,7 @@ impl<'de> Deserialize<'de> for Following {
 }
 
 /// A track of a site.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Follow {
     /// Name of the site.
@@ -95,7 +98,7 @@ pub struct Follow {
 }
 
 /// A step through a recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Step {
     /// To the next sector.

@@ -1,16 +1,18 @@
 //! Tracks as clients get them.
 
+use common::label::Label;
 use common::message::Stamps;
-use common::tracks::{GATE_WIDEST, GATE_WIDEST_FALLBACK, Track, TracksHeader};
+use common::tracks::{ESTIMATOR_FUSION, GATE_WIDEST, GATE_WIDEST_FALLBACK, Track, TracksHeader, pack};
 use common::units::NS_PER_S;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::columns::Column;
 use super::microseconds;
-use crate::picture::place::Placement;
+use crate::picture::site::SitePicture;
 
 /// Header of the tracks of a sector.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct TracksHead<'a> {
     r#type: &'static str,
     site: &'a str,
@@ -34,7 +36,7 @@ impl<'a> TracksHead<'a> {
 }
 
 /// The way of the last dwell of a sector to the screen, µs of the machine's monotonic clock; `null` where it has not been.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 pub struct StampsUs {
     source_out: Option<f64>,
     extractor_in: Option<f64>,
@@ -88,37 +90,54 @@ pub struct TrackRow {
     variance_m2: [f32; 4],
     existence: f32,
     snr_db: f32,
-    hits: u32,
+    hits: Option<u32>,
     misses: u32,
-    age_scans: u32,
-    in_gate: u32,
+    age_scans: Option<u32>,
+    in_gate: Option<u32>,
     state: u8,
     model: u8,
     gate: u8,
+    label: Option<Label>,
 }
 
 impl TrackRow {
-    /// A track of the site at `place`.
-    pub fn new(track: &Track, place: &Placement) -> Self {
+    /// A track of a site.
+    pub fn new(track: &Track, site: &SitePicture) -> Self {
+        let place = &site.place;
         let covariance = place.covariance_m2(track);
-        let variance_m2 = [covariance[0][0], covariance[0][1], covariance[1][1], covariance[2][2]];
+        let known = |height: f64| if knows_height(track) { height as f32 } else { f32::NAN };
+        let in_space = |[east, north, up]: [f64; 3]| [east as f32, north as f32, known(up)];
         Self {
             id: track.id,
             time_ns: track.time_ns,
-            position_m: place.position_m(track.position_m()).map(|axis| axis as f32),
-            velocity_mps: place.vector(track.velocity_mps()).map(|axis| axis as f32),
-            variance_m2: variance_m2.map(|element| element as f32),
+            position_m: in_space(place.position_m(track.position_m())),
+            velocity_mps: in_space(place.vector(track.velocity_mps())),
+            variance_m2: {
+                let [[xx, xy, _], [_, yy, _], [_, _, zz]] = covariance;
+                [xx as f32, xy as f32, yy as f32, known(zz)]
+            },
             existence: track.existence as f32,
-            snr_db: track.snr_db,
-            hits: track.hits,
+            snr_db: of_plots(track, track.snr_db).unwrap_or(f32::NAN),
+            hits: of_plots(track, track.hits),
             misses: track.misses,
-            age_scans: track.age_scans,
-            in_gate: track.plots_in_gate,
+            age_scans: of_plots(track, track.age_scans),
+            in_gate: of_plots(track, track.plots_in_gate),
             state: track.state_code as u8,
             model: most_probable(track),
             gate: u8::from([GATE_WIDEST, GATE_WIDEST_FALLBACK].contains(&track.gate_code)),
+            label: site.operated.labels.get(&track.id).map(|label| Label::new(label)),
         }
     }
+}
+
+/// What a tracker knows of a track by its plots; a track that is fused of other tracks has none.
+pub(super) fn of_plots<T>(track: &Track, value: T) -> Option<T> {
+    (track.estimator != ESTIMATOR_FUSION).then_some(value)
+}
+
+/// Whether a track has a height: a filter of a radar that measures none leaves its variance at 0.
+pub(super) fn knows_height(track: &Track) -> bool {
+    track.covariance[pack(6, 6)] > 0.0
 }
 
 /// Place of the most probable model (the first of equals).
@@ -130,7 +149,7 @@ fn most_probable(track: &Track) -> u8 {
 
 /// Columns of tracks. `state`: 0 tentative, 1 confirmed, 2 coasting, 3 ended; `model` counts the names in `hello`; `gate` is
 /// 1 where the gate of a manoeuvre was searched.
-pub const TRACKS: [Column<TrackRow>; 21] = [
+pub const TRACKS: [Column<TrackRow>; 22] = [
     Column::whole("id", |row| row.id),
     Column::f64("time_s", |row| row.time_ns as f64 / NS_PER_S),
     Column::f32("x_m", |row| row.position_m[0]),
@@ -146,17 +165,41 @@ pub const TRACKS: [Column<TrackRow>; 21] = [
     Column::u8("state", |row| row.state),
     Column::f32("existence", |row| row.existence),
     Column::f32("snr_db", |row| row.snr_db),
-    Column::u32("hits", |row| row.hits),
+    Column::count("hits", |row| row.hits),
     Column::u32("misses", |row| row.misses),
-    Column::u32("age_scans", |row| row.age_scans),
+    Column::count("age_scans", |row| row.age_scans),
     Column::u8("model", |row| row.model),
     Column::u8("gate", |row| row.gate),
-    Column::u32("in_gate", |row| row.in_gate),
+    Column::count("in_gate", |row| row.in_gate),
+    Column::text("label", |row| row.label.as_ref().map(Label::as_str)),
 ];
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wire::columns::{Rows, text};
+    use common::config::ChainConfig;
+    use common::tracks::CONFIRMED;
+
+    #[test]
+    fn what_is_not_known_of_a_track_is_null_and_its_label_is_told() {
+        let mut site = SitePicture::new(&ChainConfig::default(), crate::picture::place::Placement::default());
+        site.operated.labels.insert(7, "blue".into());
+        let row = |track: &Track, site: &SitePicture| -> serde_json::Value {
+            let text = text(&Rows { columns: &TRACKS, rows: &[TrackRow::new(track, site)] });
+            serde_json::from_str::<serde_json::Value>(&text).expect("JSON")[0].take()
+        };
+        let mut track = Track { id: 7, state_code: CONFIRMED, snr_db: 15.0, hits: 4, ..Track::EMPTY };
+        let flat = row(&track, &site);
+        assert!(flat["x_m"].is_number() && flat["hits"] == 4 && flat["label"] == "blue", "{flat}");
+        assert!(["z_m", "vz_mps", "var_zz"].iter().all(|key| flat[key].is_null()), "{flat}");
+        track.covariance[pack(6, 6)] = 9.0;
+        assert_eq!(row(&track, &site)["var_zz"], 9.0);
+        track = Track { id: 8, estimator: ESTIMATOR_FUSION, misses: 2, ..track };
+        let fused = row(&track, &site);
+        let unknown = ["snr_db", "hits", "age_scans", "in_gate", "label"];
+        assert!(unknown.iter().all(|key| fused[key].is_null()) && fused["misses"] == 2, "{fused}");
+    }
 
     #[test]
     fn hops_are_between_the_stations_that_are_known() {

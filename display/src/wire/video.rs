@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::columns::block;
@@ -11,7 +12,8 @@ use crate::picture::video::{DB_FIRST, DB_STEP, SectorVideo};
 const ROUNDING: f64 = 1e-6;
 
 /// How fine a client wants the video of a scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct Fineness {
     /// Lines in a turn.
     pub lines: u32,
@@ -20,8 +22,8 @@ pub struct Fineness {
 }
 
 /// Header of the video of a sector.
-#[derive(Debug, Serialize)]
-struct VideoHead<'a> {
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct VideoHead<'a> {
     r#type: &'static str,
     site: &'a str,
     scan: u32,
