@@ -113,7 +113,8 @@ fn radius_m(window: &Opportunity) -> f64 {
 
 /// Whether one plot can lie in both windows.
 fn overlap(a: &Opportunity, b: &Opportunity) -> bool {
-    if a.range_m[0] > b.range_m[1] || b.range_m[0] > a.range_m[1] {
+    let apart = |a: [f64; 2], b: [f64; 2]| a[0] > b[1] || b[0] > a[1];
+    if apart(a.range_m, b.range_m) || apart(a.elevation_rad, b.elevation_rad) {
         return false;
     }
     let ([east, north, _], [other_east, other_north, _]) = (a.position_m, b.position_m);

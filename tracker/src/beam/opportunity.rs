@@ -66,11 +66,19 @@ pub struct Opportunity {
     pub half_width_rad: f64,
     /// Between which ranges the gates lie, for plots of nominal errors, m.
     pub range_m: [f64; 2],
+    /// Between which elevations, rad.
+    pub elevation_rad: [f64; 2],
     /// Where the target is then expected, m.
     pub position_m: [f64; 3],
 }
 
 impl Opportunity {
+    /// At a place, without any gate.
+    pub fn at(position_m: [f64; 3], range_m: f64, time_ns: u64, angle_rad: f64) -> Self {
+        let elevation_rad = [(position_m[2] / range_m).clamp(-1.0, 1.0).asin(); 2];
+        Self { time_ns, angle_rad, half_width_rad: 0.0, range_m: [range_m; 2], elevation_rad, position_m }
+    }
+
     /// Of a target that is expected at `position_m`; `gates` are those of its components.
     pub fn new(
         when: &DetectionTime,
@@ -88,12 +96,15 @@ impl Opportunity {
         // What is at the edges is passed that much earlier or later; what an antenna sees that stands, at any time of a period.
         let early_rad = if sweep.turning() == Turning::Standing { PI } else { half_width_rad };
         let early_s = early_rad / TAU * sweep.period_s();
-        let mut range_m = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for gate in gates {
-            let half_m = gate.half[0] * GATE_MARGIN + gate.drift[0].abs() * early_s;
-            range_m = [range_m[0].min(gate.centre[0] - half_m), range_m[1].max(gate.centre[0] + half_m)];
+            for (i, ends) in [0, 2].into_iter().zip(&mut ends) {
+                let half = gate.half[i] * GATE_MARGIN + gate.drift[i].abs() * early_s;
+                *ends = [ends[0].min(gate.centre[i] - half), ends[1].max(gate.centre[i] + half)];
+            }
         }
-        Self { time_ns: when.to_ns, angle_rad: when.angle_rad, half_width_rad, range_m, position_m }
+        let [range_m, elevation_rad] = ends;
+        Self { time_ns: when.to_ns, angle_rad: when.angle_rad, half_width_rad, range_m, elevation_rad, position_m }
     }
 
     /// Angle at which the gates begin.

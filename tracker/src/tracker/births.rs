@@ -104,13 +104,7 @@ impl Tracker {
         let (time_ns, angle_rad) = (last.time_ns, entry.angle_rad);
         let of = |i: usize| mixture.mean_of(i);
         let time = DetectionTime::predict([of(0), of(1)], [of(3), of(4)], time_ns, angle_rad, &self.sweep);
-        let here = Opportunity {
-            time_ns,
-            angle_rad,
-            half_width_rad: 0.0,
-            range_m: [last.polar[0]; 2],
-            position_m: last.position,
-        };
+        let here = Opportunity::at(last.position, last.polar[0], time_ns, angle_rad);
         let track = LiveTrack {
             id,
             hypotheses,

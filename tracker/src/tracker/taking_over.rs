@@ -65,8 +65,7 @@ impl Tracker {
         let angle_rad = sweep.angle_at(track.time_ns, x.atan2(y));
         let time = DetectionTime::predict([x, y], [vx, vy], track.time_ns, angle_rad, sweep);
         let range_m = moments.position().iter().map(|axis| axis * axis).sum::<f64>().sqrt();
-        let here =
-            Opportunity { time_ns: track.time_ns, angle_rad, half_width_rad: 0.0, range_m: [range_m; 2], position_m };
+        let here = Opportunity::at(position_m, range_m, track.time_ns, angle_rad);
         let hypotheses = Hypotheses::most(config).map(|most| tracks.hypotheses(state, most));
         let snr_db = f64::from(track.snr_db);
         let follower = LiveTrack {
