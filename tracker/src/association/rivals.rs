@@ -14,33 +14,35 @@ pub const MOST_NEAR: usize = 6;
 /// Passages nearer than this belong to the same turn, turns.
 const RIVAL_TURNS: f64 = 0.4;
 /// Room that the index leaves for windows to grow.
-const SLACK: f64 = 1.5;
+const SLACK: f64 = 1.25;
 /// The index is reviewed when every track has been recorded so many times.
 const REVIEW: usize = 8;
 /// Least and largest reach of the index, m.
 const REACH_M: [f64; 2] = [1.0, 1e6];
 
-/// The confirmed tracks, by where they are and were expected.
+/// The confirmed tracks, by where they are expected.
 #[derive(Debug, Default)]
 pub struct Rivals {
     index: Neighbours,
-    /// By label: the windows of the scan to come, and of the last one.
-    windows: Vec<Opportunity>,
-    /// A window reaches farther than the index.
+    /// By place of the track: a circle about its windows, east and north of the middle and the radius, m. A glance at it tells most tracks apart.
+    circles: Vec<[f32; 3]>,
+    /// By place: the windows of the scan to come, and of the last one.
+    windows: Vec<[Opportunity; 2]>,
+    /// A circle reaches farther than the index.
     outgrown: bool,
-    /// Windows since the last review.
+    /// Tracks recorded since the last review.
     recorded: usize,
 }
 
 impl Rivals {
-    /// Reviews how far the index reaches: twice as far as the widest window.
+    /// Reviews how far the index reaches: as far as two of the widest circles.
     pub fn review(&mut self, tracks: &TrackStore) {
         if !self.outgrown && self.recorded < REVIEW * tracks.len() {
             return;
         }
         (self.outgrown, self.recorded) = (false, 0);
         let confirmed = || tracks.alive().filter(|&place| tracks[place].life.is_confirmed());
-        let radii = confirmed().flat_map(|place| [&tracks[place].next, &tracks[place].last].map(radius_m));
+        let radii = confirmed().map(|place| radius_m(&[tracks[place].next, tracks[place].last]));
         let needed_m = (2.0 * radii.fold(0.0, f64::max)).clamp(REACH_M[0], REACH_M[1]);
         if (needed_m..=SLACK * SLACK * needed_m).contains(&self.index.reach_m()) {
             return;
@@ -53,25 +55,28 @@ impl Rivals {
 
     /// Records where the track at a place of the store is expected and was.
     pub fn record(&mut self, place: usize, track: &LiveTrack) {
-        if track.life.is_confirmed() {
-            for (label, window) in (2 * place..).zip([track.next, track.last]) {
-                if label >= self.windows.len() {
-                    self.windows.resize(label + 1, window);
-                }
-                self.windows[label] = window;
-                self.outgrown |= 2.0 * radius_m(&window) > self.index.reach_m();
-                if self.index.reach_m() > 0.0 {
-                    self.index.put(label as u32, window.position_m);
-                }
-            }
-            self.recorded += 1;
+        if !track.life.is_confirmed() {
+            return;
+        }
+        let windows = [track.next, track.last];
+        if place >= self.windows.len() {
+            self.windows.resize(place + 1, windows);
+            self.circles.resize(place + 1, [0.0; 3]);
+        }
+        let ([east_m, north_m, _], radius_m) = (track.next.position_m, radius_m(&windows));
+        self.windows[place] = windows;
+        // Rounded up, so that nobody is missed.
+        self.circles[place] = [east_m as f32, north_m as f32, (1.001 * radius_m) as f32 + 0.1];
+        self.outgrown |= 2.0 * radius_m > self.index.reach_m();
+        self.recorded += 1;
+        if self.index.reach_m() > 0.0 {
+            self.index.put(place as u32, track.next.position_m);
         }
     }
 
     /// Removes a track that has ended.
     pub fn forget(&mut self, place: usize) {
-        self.index.remove(2 * place as u32);
-        self.index.remove(2 * place as u32 + 1);
+        self.index.remove(place as u32);
     }
 
     /// Replaces `found` by the places of the nearest confirmed tracks that may want the same plots as the track at `place` in this scan, with
@@ -79,36 +84,49 @@ impl Rivals {
     pub fn find(&self, place: usize, tracks: &TrackStore, found: &mut Vec<(usize, Of)>) {
         found.clear();
         let own = &tracks[place].next;
-        let mut nearest = [None::<(f64, u32)>; MOST_NEAR];
-        for label in self.index.near(own.position_m).filter(|label| *label as usize / 2 != place) {
-            let of_this_scan =
-                |label: u32| (self.windows[label as usize].angle_rad - own.angle_rad).abs() < RIVAL_TURNS * TAU;
-            // Of a track that both passages of are near, the one to come counts.
-            let is_of_last_scan = label % 2 == 1;
-            let window = &self.windows[label as usize];
-            if !of_this_scan(label) || (is_of_last_scan && of_this_scan(label - 1)) || !overlap(own, window) {
+        let mut nearest = [None::<(f64, usize)>; MOST_NEAR];
+        let [east_m, north_m] = [own.position_m[0] as f32, own.position_m[1] as f32];
+        let own_radius_m = (1.001 * radius_m(&[*own; 2])) as f32 + 0.1;
+        for other in self.index.near(own.position_m).map(|place| place as usize) {
+            let [other_east_m, other_north_m, radius_m] = self.circles[other];
+            let reach_m = own_radius_m + radius_m;
+            if (other_east_m - east_m).abs() > reach_m || (other_north_m - north_m).abs() > reach_m || other == place {
+                continue;
+            }
+            let of_this_scan = |window: &Opportunity| (window.angle_rad - own.angle_rad).abs() < RIVAL_TURNS * TAU;
+            let [next, last] = &self.windows[other];
+            let (of, window) = match [next, last].map(of_this_scan) {
+                [true, _] => (Of::NextScan, next),
+                [false, true] => (Of::LastScan, last),
+                [false, false] => continue,
+            };
+            if !overlap(own, window) {
                 continue;
             }
             let square: f64 = (0..3).map(|axis| (window.position_m[axis] - own.position_m[axis]).powi(2)).sum();
-            let nearer = |other: &Option<(f64, u32)>| {
-                other.is_some_and(|(least, other)| least.total_cmp(&square).then(other.cmp(&label)).is_lt())
+            let nearer = |than: &Option<(f64, usize)>| {
+                than.is_some_and(|(least, place)| least.total_cmp(&square).then(place.cmp(&other)).is_lt())
             };
             let rank = nearest.partition_point(nearer);
             if rank < MOST_NEAR {
                 nearest[rank..].rotate_right(1);
-                nearest[rank] = Some((square, label));
+                nearest[rank] = Some((square, other));
                 found.truncate(MOST_NEAR - 1);
-                found.insert(rank, (label as usize / 2, if is_of_last_scan { Of::LastScan } else { Of::NextScan }));
+                found.insert(rank, (other, of));
             }
         }
     }
 }
 
-/// How far plots in a window may lie from the target's place, m.
-fn radius_m(window: &Opportunity) -> f64 {
-    let range_m = length(window.position_m);
-    let along_m = (range_m - window.range_m[0]).max(window.range_m[1] - range_m);
-    along_m.hypot(range_m * window.half_width_rad).min(0.5 * REACH_M[1])
+/// How far plots in two windows of a track may lie from the place of the first, m.
+fn radius_m([next, last]: &[Opportunity; 2]) -> f64 {
+    let moved_m = length(std::array::from_fn(|axis| last.position_m[axis] - next.position_m[axis]));
+    let about_m = |window: &Opportunity| {
+        let range_m = length(window.position_m);
+        let along_m = (range_m - window.range_m[0]).max(window.range_m[1] - range_m);
+        along_m.hypot(range_m * window.half_width_rad)
+    };
+    about_m(next).max(moved_m + about_m(last)).min(0.5 * REACH_M[1])
 }
 
 /// Whether one plot can lie in both windows.
