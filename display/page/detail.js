@@ -114,14 +114,14 @@ export class Detail {
   }
 
   #gate(said) {
-    if (!said) {
+    if (!Number.isFinite(said?.gate?.in_gate)) {
       setText(this.gate, "");
       this.used.update([]);
       return;
     }
     const { gate, weight_none } = said;
-    const kind = gate?.kind ? `Gate: ${words(gate.kind)}` : "No gate";
-    setText(this.gate, `${kind}, ${number(gate?.in_gate ?? 0)} plots in it. No plot is the track's: ${percent(weight_none, 1)}.`);
+    const kind = gate.kind ? `Gate: ${words(gate.kind)}` : "No gate";
+    setText(this.gate, `${kind}, ${number(gate.in_gate)} plots in it. No plot is the track's: ${percent(weight_none, 1)}.`);
     const { scans, models } = this.scene.selection;
     const rows = [];
     [...scans].reverse().forEach((scan, ago) => {

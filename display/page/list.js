@@ -34,9 +34,11 @@ export class TrackList {
   /** Living tracks in the order of the list. */
   order() {
     const wanted = this.find.value.trim();
-    const living = [...this.picture.tracks.values(), ...this.picture.system.values()].filter(
-      (track) => track.state !== ENDED && (wanted === "" || String(track.id).startsWith(wanted) || track.label.startsWith(wanted)),
-    );
+    const { tracks, system } = this.picture;
+    // A track without hits is fused: the system track beside it says the same and more.
+    const once = (track) => track.site === "" || system.size === 0 || !Number.isNaN(track.hits);
+    const fits = (track) => [String(track.id), nameOf(track, false), track.label].some((name) => name.startsWith(wanted));
+    const living = [...tracks.values(), ...system.values()].filter((track) => track.state !== ENDED && once(track) && fits(track));
     return living.sort((a, b) => RANK[a.state] - RANK[b.state] || (a.site < b.site ? -1 : a.site > b.site ? 1 : a.id - b.id));
   }
 

@@ -127,7 +127,7 @@ export class Picture {
       track.state = track.ended ? ENDED : track.coasting ? 2 : 1;
       track.origin = [0, 0, 0];
       track.speed = Math.hypot(track.vx_mps, track.vy_mps);
-      track.made_of = [...this.sites.keys()].filter((_, site) => track.site_bits & (1 << site));
+      track.made_of = [...this.sites.keys()].filter((_, site) => site < 32 && (track.site_bits >>> site) & 1);
     }
     this.version += 1;
   }
@@ -186,7 +186,7 @@ export class Picture {
     return this.tracks.get(key) ?? this.system.get(key);
   }
 
-  /** The track nearest to a place, within `reach` metres, of those that are shown; of equals that of a site. */
+  /** The track nearest to a place, within `reach` metres, of those that are shown; of equals the system track, which the centre publishes as a track too. */
   nearest(x, y, reach, layers) {
     let best = null;
     let least = reach * reach;
@@ -194,7 +194,7 @@ export class Picture {
       if (!on) continue;
       for (const track of store.values()) {
         const d2 = (track.x_m - x) ** 2 + (track.y_m - y) ** 2;
-        if (d2 < least) [best, least] = [track, d2];
+        if (store === this.system ? d2 <= least : d2 < least) [best, least] = [track, d2];
       }
     }
     return best;

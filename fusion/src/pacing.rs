@@ -13,6 +13,8 @@ use crate::feed::Feed;
 const CYCLES_AHEAD: f64 = 2.0;
 /// Longest that a message is usually on its way, s.
 const ON_THE_WAY_S: f64 = 1.0;
+/// A clock that has been found wrong is believed again when it is within this share of what is allowed.
+const BELIEVED: f64 = 0.7;
 /// A clock that is so far from the others is of no use, whoever is right, s: that of the reports that fusion takes.
 const HOPELESS_S: f64 = 60.0;
 
@@ -85,11 +87,20 @@ impl Pacing {
             } else {
                 HOPELESS_S
             };
-            Some(Clock { time_ns, within_s })
+            Some(Clock { time_ns, within_s: if feed.is_out_of_step() { BELIEVED * within_s } else { within_s } })
         };
         let clocks: Vec<Option<Clock>> = feeds.iter().zip(sites).map(|(feed, site)| clock(feed, site)).collect();
         let heard: Vec<Clock> = clocks.iter().flatten().copied().collect();
-        let Some(common) = Common::of(&heard) else { return };
+        // Where too few are heard to decide, those decide that have been right so far.
+        let right: Vec<Clock> = feeds
+            .iter()
+            .zip(&clocks)
+            .filter(|(feed, _)| !feed.is_out_of_step())
+            .filter_map(|(_, clock)| *clock)
+            .collect();
+        let of_all = Common::of(&heard);
+        let common = of_all.filter(|all| all.is_majority).or_else(|| Common::of(&right)).or(of_all);
+        let Some(common) = common else { return };
         if self.common.is_none_or(|before| before.is_majority) && !common.is_majority {
             warn!(
                 "the clocks of the sites are not the same, and no majority says which of them are right: all are taken"

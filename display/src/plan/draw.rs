@@ -73,7 +73,7 @@ impl Plan<'_> {
         self.head(sheet);
     }
 
-    /// System tracks, and the numbers of all tracks: theirs first, then those of the sites that have no part in them.
+    /// System tracks, and the numbers of all tracks: theirs first. One that finds no place about its track is left out.
     fn numbers(&self, sheet: &mut dyn Sheet, scale: &Scale) {
         let mut labels = Labels::new();
         let font_px = self.theme.style(Mark::Number).font_px;

@@ -30,6 +30,8 @@ const HEAD: Duration = Duration::from_secs(10);
 const CONNECTION: Duration = Duration::from_secs(300);
 /// How long it then has to finish.
 const LAST_ANSWER: Duration = Duration::from_secs(10);
+/// The same of one that yields its place: what it has asked for meanwhile is answered.
+const YIELDING: Duration = Duration::from_secs(1);
 /// Pause after a connection that could not be accepted, for example because too many files are open.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
 
@@ -107,13 +109,13 @@ async fn attend(stream: TcpStream, routes: Router, place: Place) {
     let connection = builder.serve_connection(TokioIo::new(stream), service).with_upgrades();
     let mut connection = std::pin::pin!(connection);
     // How a connection ends is nobody's business.
-    let ended = tokio::select! {
-        ended = tokio::time::timeout(CONNECTION, connection.as_mut()) => ended,
-        () = yields.notified() => return,
+    let last_answer = tokio::select! {
+        ended = tokio::time::timeout(CONNECTION, connection.as_mut()) => ended.is_err().then_some(LAST_ANSWER),
+        () = yields.notified() => Some(YIELDING),
     };
-    if ended.is_err() {
+    if let Some(last_answer) = last_answer {
         connection.as_mut().graceful_shutdown();
-        let _ = tokio::time::timeout(LAST_ANSWER, connection).await;
+        let _ = tokio::time::timeout(last_answer, connection).await;
     }
 }
 

@@ -48,7 +48,7 @@ impl Fusion {
     /// Ends all tracks of a site, those too whose reports still wait: its tracker has begun anew, with other tracks.
     pub fn forget(&mut self, site: usize) {
         self.waiting.retain(|of| usize::from(of.site) != site);
-        self.sites[site].told_ns = 0;
+        (self.sites[site].told_ns, self.sites[site].known_ns) = (0, 0);
         let mut places: Vec<u32> = self.sites[site].by_id.values().copied().collect();
         places.sort_unstable(); // so that places are free in an order that does not depend on the hash
         for place in places {

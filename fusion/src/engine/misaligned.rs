@@ -25,6 +25,8 @@ const WITHIN: f64 = 0.999;
 const MOST: f64 = 0.6;
 /// Standard deviations by which a bias must be beyond what registration expects.
 const BEYOND: f64 = 5.0;
+/// A site with more than one track in so many that matches is not wrong as a whole.
+const MATCHING: usize = 3;
 /// Cycles after a site was brought back in which one decision attaches.
 const EAGER: u64 = 12;
 /// Reports in a row outside the gate that make a track one of those that match nobody.
@@ -132,14 +134,14 @@ impl Fusion {
         let mut lonely = std::mem::take(&mut self.lonely);
         let mut is_filled = false;
         for site in 0..self.sites.len() {
-            let matches_nobody = self.find_lonely(site as u16, &mut lonely);
+            let (matches_nobody, shared) = self.find_lonely(site as u16, &mut lonely);
             let alignment = &mut self.sites[site].alignment;
             alignment.matches_nobody = matches_nobody;
             if !matches_nobody {
                 (alignment.wait, alignment.search_from, alignment.is_held_back) = (0, 0, false);
                 continue;
             }
-            self.hold_back(site as u16, &lonely, now_ns);
+            self.hold_back(site as u16, &lonely, shared, now_ns);
             let alignment = &mut self.sites[site].alignment;
             if self.cycles < alignment.search_from {
                 continue;
@@ -159,8 +161,8 @@ impl Fusion {
     }
 
     /// The tracks of a site that match nobody, though another site sees there and there was time to find each other; whether they are at
-    /// least half of its tracks.
-    fn find_lonely(&self, site: u16, lonely: &mut Vec<u32>) -> bool {
+    /// least half of its tracks, and how many others match.
+    fn find_lonely(&self, site: u16, lonely: &mut Vec<u32>) -> (bool, usize) {
         lonely.clear();
         let mut shared = 0;
         for &place in self.sites[site as usize].by_id.values() {
@@ -177,19 +179,22 @@ impl Fusion {
             }
         }
         lonely.sort_unstable(); // in an order that does not depend on the hash
-        lonely.len() >= FEWEST && lonely.len() >= shared
+        (lonely.len() >= FEWEST && lonely.len() >= shared, shared)
     }
 
-    /// Ends the system tracks that a site has made alone of `lonely` tracks, where it is the one that is wrong: most sites match each other,
-    /// and about as many system tracks of theirs that the site should see have no track of it.
-    fn hold_back(&mut self, site: u16, lonely: &[u32], now_ns: u64) {
+    /// Ends the system tracks that a site has made alone of `lonely` tracks, where it is the one that is wrong: hardly any of its tracks match,
+    /// most sites match each other, and about as many system tracks of theirs that the site should see have no track of it. One that sees
+    /// what others miss and shares the rest with them is right.
+    fn hold_back(&mut self, site: u16, lonely: &[u32], shared: usize, now_ns: u64) {
         let with_tracks = self.sites.iter().filter(|of| !of.by_id.is_empty()).count();
         let wrong = self.sites.iter().filter(|of| of.alignment.matches_nobody).count();
         let missed = self.systems.iter().filter(|system| {
             let is_theirs = system.is_open() && system.contributors.len() > 1 && !system.contributes(site);
             is_theirs && self.sites[site as usize].sees(&self.system_at(system, now_ns).position())
         });
-        let is_wrong = 2 * wrong < with_tracks && missed.count() as f64 >= MOST * lonely.len() as f64;
+        let is_wrong = MATCHING * shared <= lonely.len()
+            && 2 * wrong < with_tracks
+            && missed.count() as f64 >= MOST * lonely.len() as f64;
         self.sites[site as usize].alignment.is_held_back = is_wrong;
         for &place in lonely.iter().filter(|_| is_wrong) {
             if let Some(system) = self.locals[place as usize].system.filter(|_| self.is_alone(place)) {

@@ -20,6 +20,15 @@ const REVIEW: usize = 8;
 /// Least and largest reach of the index, m.
 const REACH_M: [f64; 2] = [1.0, 1e6];
 
+/// What is known of the plots of a message beside where they are.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Plots {
+    /// How much farther a gate reaches in range than for plots of nominal errors, m.
+    pub margin_m: f64,
+    /// Some have no elevation: they lie in gates of any.
+    pub some_are_flat: bool,
+}
+
 /// The confirmed tracks, by where they are expected.
 #[derive(Debug, Default)]
 pub struct Rivals {
@@ -35,15 +44,17 @@ pub struct Rivals {
 }
 
 impl Rivals {
-    /// Reviews how far the index reaches: as far as two of the widest circles.
+    /// Reviews how far the index reaches: as far as the widest circles of a track that is looked for and of one that looks.
     pub fn review(&mut self, tracks: &TrackStore) {
         if !self.outgrown && self.recorded < REVIEW * tracks.len() {
             return;
         }
         (self.outgrown, self.recorded) = (false, 0);
         let confirmed = || tracks.alive().filter(|&place| tracks[place].life.is_confirmed());
-        let radii = confirmed().map(|place| radius_m(&[tracks[place].next, tracks[place].last]));
-        let needed_m = (2.0 * radii.fold(0.0, f64::max)).clamp(REACH_M[0], REACH_M[1]);
+        let widest = |radii: &mut dyn Iterator<Item = f64>| radii.fold(0.0, f64::max);
+        let circle = widest(&mut confirmed().map(|place| radius_m(&[tracks[place].next, tracks[place].last])));
+        let window = widest(&mut tracks.alive().map(|place| radius_m(&[tracks[place].next; 2])));
+        let needed_m = (circle + window.max(circle)).clamp(REACH_M[0], REACH_M[1]);
         if (needed_m..=SLACK * SLACK * needed_m).contains(&self.index.reach_m()) {
             return;
         }
@@ -81,12 +92,12 @@ impl Rivals {
 
     /// Replaces `found` by the places of the nearest confirmed tracks that may want the same plots as the track at `place` in this scan, with
     /// which of their predictions are of it.
-    pub fn find(&self, place: usize, tracks: &TrackStore, found: &mut Vec<(usize, Of)>) {
+    pub fn find(&self, place: usize, tracks: &TrackStore, plots: Plots, found: &mut Vec<(usize, Of)>) {
         found.clear();
         let own = &tracks[place].next;
         let mut nearest = [None::<(f64, usize)>; MOST_NEAR];
         let [east_m, north_m] = [own.position_m[0] as f32, own.position_m[1] as f32];
-        let own_radius_m = (1.001 * radius_m(&[*own; 2])) as f32 + 0.1;
+        let own_radius_m = (1.001 * radius_m(&[*own; 2]) + 2.0 * plots.margin_m) as f32 + 0.1;
         for other in self.index.near(own.position_m).map(|place| place as usize) {
             let [other_east_m, other_north_m, radius_m] = self.circles[other];
             let reach_m = own_radius_m + radius_m;
@@ -100,7 +111,7 @@ impl Rivals {
                 [false, true] => (Of::LastScan, last),
                 [false, false] => continue,
             };
-            if !overlap(own, window) {
+            if !overlap(own, window, plots) {
                 continue;
             }
             let square: f64 = (0..3).map(|axis| (window.position_m[axis] - own.position_m[axis]).powi(2)).sum();
@@ -124,15 +135,20 @@ fn radius_m([next, last]: &[Opportunity; 2]) -> f64 {
     let about_m = |window: &Opportunity| {
         let range_m = length(window.position_m);
         let along_m = (range_m - window.range_m[0]).max(window.range_m[1] - range_m);
-        along_m.hypot(range_m * window.half_width_rad)
+        let across_m = (range_m * range_m.max(window.range_m[1])).sqrt() * window.half_width_rad;
+        along_m.hypot(across_m)
     };
-    about_m(next).max(moved_m + about_m(last)).min(0.5 * REACH_M[1])
+    let radius_m = about_m(next).max(moved_m + about_m(last));
+    // Nobody is near a track of which nothing is known any more.
+    if radius_m.is_finite() { radius_m.min(0.5 * REACH_M[1]) } else { 0.0 }
 }
 
 /// Whether one plot can lie in both windows.
-fn overlap(a: &Opportunity, b: &Opportunity) -> bool {
-    let apart = |a: [f64; 2], b: [f64; 2]| a[0] > b[1] || b[0] > a[1];
-    if apart(a.range_m, b.range_m) || apart(a.elevation_rad, b.elevation_rad) {
+fn overlap(a: &Opportunity, b: &Opportunity, plots: Plots) -> bool {
+    let apart = |a: [f64; 2], b: [f64; 2], by: f64| a[0] > b[1] + by || b[0] > a[1] + by;
+    if apart(a.range_m, b.range_m, 2.0 * plots.margin_m)
+        || (!plots.some_are_flat && apart(a.elevation_rad, b.elevation_rad, 0.0))
+    {
         return false;
     }
     let ([east, north, _], [other_east, other_north, _]) = (a.position_m, b.position_m);

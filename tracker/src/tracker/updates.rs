@@ -14,7 +14,7 @@ use super::forecast::next_detection;
 use crate::association::GateLoad;
 use crate::association::hypotheses::{Means, Room};
 use crate::association::joint::{LEAST_SHARE, Sharing};
-use crate::association::rivals::{MOST_NEAR, Rivals};
+use crate::association::rivals::{MOST_NEAR, Plots, Rivals};
 use crate::association::scan::{Member, Scan};
 use crate::beam::opportunity::DetectionTime;
 use crate::constants::{APART, EXPLAINED, MISS_WEIGHT, TIMING_S};
@@ -157,8 +157,7 @@ impl Tracker {
         messages: &mut Vec<Track>,
     ) {
         let Self { agenda, tracks, updates, .. } = self;
-        let Updates { rivals, handles, due, unreached, .. } = updates;
-        rivals.review(tracks);
+        let Updates { handles, due, unreached, .. } = updates;
         due.clear();
         handles.clear();
         while let Some(handle) = agenda.pop_due(if ended { f64::INFINITY } else { covered_rad }) {
@@ -204,8 +203,9 @@ impl Tracker {
             let to_ns = sweep.time_at(track.next.angle_rad);
             if seconds_between(track.next.time_ns, to_ns).abs() > TIMING_S {
                 let time = DetectionTime { from_ns: track.time_ns, to_ns, angle_rad: track.next.angle_rad };
-                forecast.predict_one(environment, rules.alpha, tracks, place, time, sweep);
-                updates.rivals.record(place, &tracks[place]);
+                if forecast.predict_one(environment, rules.alpha, tracks, place, time, sweep) {
+                    updates.rivals.record(place, &tracks[place]);
+                }
             }
             let track = &mut tracks[place];
             track.amplitude.renew_statistics(config, &environment.detector);
@@ -226,20 +226,25 @@ impl Tracker {
         let Self { config, rules, sweep, plots, tracks, updates, .. } = self;
         let Updates { rivals, pending, index, found, near, rivals_near, offered, sharing, .. } = updates;
         offered.clear();
+        rivals.review(tracks);
         rivals_near.clear();
         let due = |pending: &Pending| tracks[pending.place].next.due_rad();
         let from_rad = pending.iter().map(|pending| pending.from_rad).fold(f64::INFINITY, f64::min);
         let stored = plots.between(from_rad, pending.iter().map(due).fold(f64::NEG_INFINITY, f64::max));
         let mut variance = environment.radar.variance[0];
+        let mut some_are_flat = false;
         let all = plots.measurements(stored.clone());
-        index.build(all.iter().inspect(|plot| variance = variance.max(plot.variance[0])));
+        index.build(all.iter().inspect(|plot| {
+            variance = variance.max(plot.variance[0]);
+            some_are_flat |= !plot.measured[2];
+        }));
         // √(p + σ²) grows by less than σ does.
         let margin_m = rules.alpha * (variance.sqrt() - environment.radar.variance[0].sqrt());
         let shares_plots = config.joint_association && !rules.association.decides();
         for pending in pending {
             let track = &tracks[pending.place];
             if shares_plots {
-                rivals.find(pending.place, tracks, rivals_near);
+                rivals.find(pending.place, tracks, Plots { margin_m, some_are_flat }, rivals_near);
             }
             let mut range_m = track.next.range_m;
             for &(rival, of) in rivals_near.iter() {
