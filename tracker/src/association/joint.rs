@@ -31,6 +31,8 @@ use crate::filter::{Densities, Evidence, Expectation, Group, LANES, Layout, Mach
 use crate::plots::measurement::Measurement;
 use crate::plots::radar::Radar;
 
+/// Plots in the windows of a track and its rivals that there is room for from the start: their number varies by chance.
+const ROOM: usize = 128;
 /// Rivals that are taken into account at once: those that claim most.
 const MOST_RIVALS: usize = 3;
 /// Tracks of an event.
@@ -192,16 +194,16 @@ impl Sharing {
             views: Views {
                 prediction: Group::new(layout),
                 expected: Vec::new(),
-                evidence: Evidence::default(),
-                densities: Densities::default(),
+                evidence: Evidence::with_room(ROOM),
+                densities: Densities::with_room(ROOM * layout.len()),
                 machine,
                 inflation,
             },
-            offers: Vec::with_capacity(256),
-            wanted: Vec::with_capacity(256),
+            offers: Vec::with_capacity(ROOM * (1 + MOST_NEAR)),
+            wanted: Vec::with_capacity(ROOM),
             claims: Vec::with_capacity(1 + MOST_NEAR),
             events: Vec::with_capacity(4096),
-            shares: Vec::with_capacity(256),
+            shares: Vec::with_capacity(ROOM),
             common: Vec::with_capacity(MOST_PLOTS * MOST_RIVALS),
         }
     }

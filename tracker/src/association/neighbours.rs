@@ -4,6 +4,8 @@
 //! chain. A track that moves is taken out of one chain and put into another, so no other is looked at, and a question costs four buckets
 //! and what is returned. Nothing is allocated once it has grown.
 
+/// Buckets from the start.
+const FEWEST_BUCKETS: usize = 256;
 /// The end of a chain.
 const END: u32 = u32::MAX;
 
@@ -115,7 +117,7 @@ impl Neighbours {
 
     /// Doubles the buckets.
     fn spread(&mut self) {
-        let buckets = (2 * self.count).next_power_of_two();
+        let buckets = (2 * self.count).next_power_of_two().max(FEWEST_BUCKETS);
         self.buckets.clear();
         self.buckets.resize(buckets, END);
         for label in 0..self.places.len() {

@@ -71,6 +71,11 @@ pub struct Densities {
 }
 
 impl Densities {
+    /// With room for so many components of candidates from the start.
+    pub fn with_room(rows: usize) -> Self {
+        Self { peak: Vec::with_capacity(rows), exponent: Vec::with_capacity(rows), components: 0 }
+    }
+
     /// ln N(y_m; h_j, D_jm) of slot `m` and component `j` in `lane`.
     pub fn ln(&self, m: usize, j: usize, lane: usize) -> f64 {
         let index = m * self.components + j;

@@ -59,6 +59,11 @@ pub struct Evidence {
 }
 
 impl Evidence {
+    /// With room for so many candidates of a track from the start.
+    pub fn with_room(candidates: usize) -> Self {
+        Self { slots: Vec::with_capacity(candidates), ..Self::default() }
+    }
+
     /// No candidates and b_j = 1 in any lane, for states of `components` components.
     pub fn clear(&mut self, components: usize) {
         for slot in &mut self.slots[..self.used] {

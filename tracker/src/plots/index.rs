@@ -117,13 +117,15 @@ impl PlotIndex {
         }
     }
 
-    /// Makes room for so many plots.
-    pub fn reserve(&mut self, plots: usize) {
+    /// Makes room for so many plots, and for all that a search may find.
+    pub fn reserve(&mut self, plots: usize, found: &mut Vec<u32>) {
         let cells = (plots as f64).sqrt().ceil() as usize;
         self.entries.reserve(plots.saturating_sub(self.entries.len()));
         self.rows_rad.reserve(plots.saturating_sub(self.rows_rad.len()));
         self.sorted.reserve(plots.saturating_sub(self.sorted.len()));
         self.starts.reserve((cells * cells + 1).saturating_sub(self.starts.len()));
+        found.clear();
+        found.reserve(self.sorted.capacity());
     }
 
     /// Finds the plots in the azimuth bins that `window` touches and in its intervals of range and elevation: every plot in

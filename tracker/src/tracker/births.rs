@@ -217,7 +217,7 @@ impl Births {
         // As if all were open: how many are varies by chance, and should not allocate for ever.
         self.open.clear();
         self.open.reserve(range.len());
-        self.index.reserve(range.len());
+        self.index.reserve(range.len(), &mut self.found);
         self.open.extend(range.filter(|&plot| plots.entry(plot).explained <= EXPLAINED).map(|plot| plot as u32));
         self.variance = [0.0; 2];
         let [along, across] = &mut self.variance;

@@ -65,7 +65,7 @@ impl Updates {
             pending: Vec::new(),
             index: PlotIndex::default(),
             found: Vec::new(),
-            near: Vec::new(),
+            near: Vec::with_capacity(256),
             rivals_near: Vec::with_capacity(MOST_NEAR),
             offered: Offered::default(),
             sharing: Sharing::new(layout, Machine::default(), inflation),
@@ -128,9 +128,11 @@ struct Offered {
 }
 
 impl Offered {
-    /// Forgets all, and makes room for twice as many: that of a message varies by chance, and should not grow for ever.
+    /// Forgets all. Where that was more than half of the room, there is four times as much from now on: how many are offered varies by chance,
+    /// and room should not grow for ever.
     fn clear(&mut self) {
-        let room = 2 * self.measurements.len();
+        let room =
+            if 2 * self.measurements.len() > self.measurements.capacity() { 4 * self.measurements.len() } else { 0 };
         self.measurements.clear();
         self.measurements.reserve(room);
         self.shares.clear();
