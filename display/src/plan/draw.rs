@@ -77,24 +77,24 @@ impl Plan<'_> {
     fn numbers(&self, sheet: &mut dyn Sheet, scale: &Scale) {
         let mut labels = Labels::new();
         let font_px = self.theme.style(Mark::Number).font_px;
-        let mut wanted = Vec::new();
+        let mut wanted = Vec::new(); // place and size of the mark, px, and its number
         for site in &self.picture.sites {
             let living = site.system_tracks.iter().flat_map(|(_, tracks)| tracks).filter(|track| track.ended == 0);
             for track in living {
                 let at = scale.place(site.place.position_m([track.state[0], track.state[1], track.state[2]]));
                 sheet.line(Mark::System, &hexagon(at));
-                wanted.push((at, format!("S{}", track.id)));
+                wanted.push((at, HEXAGON, format!("S{}", track.id)));
             }
         }
         for site in &self.picture.sites {
             for (id, of) in site.tracks.iter().filter(|(_, of)| of.track.is_confirmed()) {
-                wanted.push((scale.place(site.place.position_m(of.track.position_m())), id.to_string()));
+                wanted.push((scale.place(site.place.position_m(of.track.position_m())), SYMBOL, id.to_string()));
             }
         }
-        for (at, _) in &wanted {
-            labels.reserve(*at, SYMBOL);
+        for (at, radius, _) in &wanted {
+            labels.reserve(*at, *radius);
         }
-        for (at, text) in wanted {
+        for (at, _, text) in wanted {
             if let Some(place) = labels.place(at, &text, font_px) {
                 sheet.text(Mark::Number, place, Anchor::Start, &text);
             }

@@ -25,7 +25,7 @@ const WITHIN: f64 = 0.999;
 const MOST: f64 = 0.6;
 /// Standard deviations by which a bias must be beyond what registration expects.
 const BEYOND: f64 = 5.0;
-/// A site with more than one track in so many that matches is not wrong as a whole.
+/// A site is not wrong as a whole if more of its tracks match than one for so many that do not.
 const MATCHING: usize = 3;
 /// Cycles after a site was brought back in which one decision attaches.
 const EAGER: u64 = 12;

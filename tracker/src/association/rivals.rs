@@ -76,8 +76,7 @@ impl Rivals {
         }
         let ([east_m, north_m, _], radius_m) = (track.next.position_m, radius_m(&windows));
         self.windows[place] = windows;
-        // Rounded up, so that nobody is missed.
-        self.circles[place] = [east_m as f32, north_m as f32, (1.001 * radius_m) as f32 + 0.1];
+        self.circles[place] = [east_m as f32, north_m as f32, rounded_up(radius_m)];
         self.outgrown |= 2.0 * radius_m > self.index.reach_m();
         self.recorded += 1;
         if self.index.reach_m() > 0.0 {
@@ -97,7 +96,7 @@ impl Rivals {
         let own = &tracks[place].next;
         let mut nearest = [None::<(f64, usize)>; MOST_NEAR];
         let [east_m, north_m] = [own.position_m[0] as f32, own.position_m[1] as f32];
-        let own_radius_m = (1.001 * radius_m(&[*own; 2]) + 2.0 * plots.margin_m) as f32 + 0.1;
+        let own_radius_m = rounded_up(radius_m(&[*own; 2]) + 2.0 * plots.margin_m);
         for other in self.index.near(own.position_m).map(|place| place as usize) {
             let [other_east_m, other_north_m, radius_m] = self.circles[other];
             let reach_m = own_radius_m + radius_m;
@@ -141,6 +140,11 @@ fn radius_m([next, last]: &[Opportunity; 2]) -> f64 {
     let radius_m = about_m(next).max(moved_m + about_m(last));
     // Nobody is near a track of which nothing is known any more.
     if radius_m.is_finite() { radius_m.min(0.5 * REACH_M[1]) } else { 0.0 }
+}
+
+/// A radius, m, in single precision, so much larger that nobody is missed for rounding of places up to 1000 km away.
+fn rounded_up(radius_m: f64) -> f32 {
+    (1.001 * radius_m) as f32 + 0.1
 }
 
 /// Whether one plot can lie in both windows.

@@ -228,7 +228,6 @@ impl Tracker {
         let Self { config, rules, sweep, plots, tracks, updates, .. } = self;
         let Updates { rivals, pending, index, found, near, rivals_near, offered, sharing, .. } = updates;
         offered.clear();
-        rivals.review(tracks);
         rivals_near.clear();
         let due = |pending: &Pending| tracks[pending.place].next.due_rad();
         let from_rad = pending.iter().map(|pending| pending.from_rad).fold(f64::INFINITY, f64::min);
@@ -243,6 +242,9 @@ impl Tracker {
         // √(p + σ²) grows by less than σ does.
         let margin_m = rules.alpha * (variance.sqrt() - environment.radar.variance[0].sqrt());
         let shares_plots = config.joint_association && !rules.association.decides();
+        if shares_plots {
+            rivals.review(tracks);
+        }
         for pending in pending {
             let track = &tracks[pending.place];
             if shares_plots {
